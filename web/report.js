@@ -40,8 +40,8 @@ function commandLine(lead, command) {
 function commands() {
   const measure = diagnosis.verdict === "confusable" && diagnosis.next_measurement.length > 0;
   const several = diagnosis.missing.length + diagnosis.profiles.length > 1;
-  return [measure ? commandLine("Type next, for a plan of the moves; then measure it:", data.moves_command) : null,
-    commandLine(measure ? "Or, without measuring, add the likeliest:" : several ? "Type next (it adds the first; then diagnose again):" : "Type next:", data.command)];
+  return [measure ? commandLine("Next, write a plan of the moves and measure it:", data.moves_command) : null,
+    commandLine(measure ? "Or, without measuring, add the most probable:" : several ? "Type next (it adds the first; then diagnose again):" : "Type next:", data.command)];
 }
 
 const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
@@ -59,26 +59,26 @@ function picture() {
 /** What to do where there is nothing to type. */
 function advice() {
   const drift = diagnosis.drift.length ? " " + capital(said(diagnosis.drift[0].to_do)) + "." : "";
-  return { question: "Answer it, then diagnose again.", insufficient_data: "Measure more, or take effects out of the model.", explained: "Nothing to add: what is left is noise." + drift,
+  return { question: "Answer it, then diagnose again.", insufficient_data: "Measure more, or take effects out of the model.", explained: "Nothing to add: only noise is left." + drift,
     scatter: "Touch one point twenty times, then diagnose again with their standard deviation as --repeatability-um." + drift,
-    unknown_effect: "Look for the cause in the figures below.", confusable: "Measure the listed moves." }[diagnosis.verdict] || "";
+    unknown_effect: "Look for the cause in the figures below.", confusable: diagnosis.next_measurement.length ? "Measure the listed moves." : "Measure what would separate them, as stated below for each." }[diagnosis.verdict] || "";
 }
 
 function header() {
-  const facts = [["Machine", fileName(data.machine)], ["Serial number", data.serial], ["Operator", data.operator], ["Measured", data.measured ? clock(data.measured) : null], ["Measurements", diagnosis.observations],
+  const facts = [["Session", fileName(data.session)], ["Machine", fileName(data.machine)], ["Serial number", data.serial], ["Operator", data.operator], ["Measured", data.measured ? clock(data.measured) : null], ["Measurements", diagnosis.observations],
     ["Calibration", fileName(data.calibration) + (data.calibration_id ? " (" + data.calibration_id + ")" : "") + (data.method ? ", found by " + data.method.replace(/_/g, " ") + ", seed " + data.seed : "")],
     ["Report of", clock(data.created)]].filter(([, value]) => value);
   const [first, ...rest] = sentences(said(diagnosis.sentence));
   const next = present([commands()]);
   const todo = next.length ? "" : advice();
-  main.replaceChildren(el("header", {}, el("h1", {}, fileName(data.session)),
+  main.replaceChildren(el("header", {}, el("h1", {}, data.title),
     el("div", { class: "verdict " + diagnosis.verdict }, el("div", { class: "badge" }, kVerdicts[diagnosis.verdict] || diagnosis.verdict),
       el("p", { class: "sentence" }, first), rest.filter((one) => !todo.startsWith(one)).map((one) => el("p", {}, one)))));
   const shown = picture();
   if (shown) main.append(el("div", { class: "lead-picture" }, shown));
   main.append(el("section", { class: "next", "aria-labelledby": "step" }, el("h2", { id: "step" }, "Next step"), next.length ? next : el("p", {}, todo)));
   const warnings = [data.session_warning ? "The session: " + data.session_warning : null,
-    data.same_session === false ? "This session is not the one that the calibration was made from: the row “values held” says whether it still holds." : null,
+    data.same_session === false ? "This session is not the one that the calibration was made from: the row “values held” shows whether it is still valid." : null,
     data.left_out ? data.left_out + " measurements lack an input of the model and were left out." : null];
   for (const text of warnings.filter(Boolean)) main.append(el("p", { class: "warning" }, text));
   main.append(el("dl", { class: "facts" }, facts.map(([name, value]) => el("div", {}, el("dt", {}, name), el("dd", {}, String(value))))));
@@ -99,7 +99,7 @@ function errors() {
   section("error", "The error, before and after", el("div", { class: "tiles" }, tiles.map(([label, value, std]) =>
     el("div", { class: "tile" }, el("div", { class: "label" }, label), el("div", { class: "value" }, num(value), " ", el("small", {}, known(value) ? kUnit : "")),
       known(std) && std > 0 ? el("div", { class: "label" }, "± " + digits(2 * std, 2) + " " + kUnit + " (k = 2)") : null))),
-  table("Size of the residuals, outliers set aside (each fit sets aside its own). Held out: the values fitted again without the block of time that is judged, no drift predicted. ± is the expanded uncertainty, k = 2", columns, data.figures.map((f) => [[f.name, el("div", { class: "note" }, f.note)],
+  table("Size of the residuals without outliers (each fit excludes its own). Held out: parameters refitted without the block of time that is evaluated, no drift predicted. ± is the expanded uncertainty, k = 2", columns, data.figures.map((f) => [[f.name, el("div", { class: "note" }, f.note)],
     ...kinds.flatMap(([, s]) => [bare(f["rms" + s], f["rms_std" + s]), bare(f["held_out_rms" + s], rmsStd(f["held_out_rms" + s], f["count" + s])), bare(f["q95" + s], 0.95 * f["q95" + s] / Math.sqrt(f["count" + s])), num(f["max" + s])]),
     diagnosis.repeatability_from === "estimated" ? "–" : bare(f.chi2_per_dof, f.chi2_per_dof * Math.sqrt(2 / Math.max(1, f.degrees_of_freedom))), known(f.outliers) ? String(f.outliers) : "–"])));
 }
@@ -119,15 +119,15 @@ const heldOut = (found) => found["held_out_rms" + kSuffix];
 
 /** Other explanations of what was found, each with its odds and with what would tell. */
 function rivals(m) {
-  const lines = m.confusable_with.map((c) => [el("b", {}, c.in_words), rivalText(c),
-    c.moves ? el("div", { class: "note" }, "To tell: " + said(c.moves)) : null]);
+  const lines = m.confusable_with.map((c) => [el("b", {}, withSymbol(c)), rivalText(c),
+    c.moves ? el("div", { class: "note" }, "To separate them: " + said(c.moves)) : null]);
   return lines.length ? [el("dt", {}, "Or instead"), el("dd", {}, el("ul", { class: "plain" }, lines.map((line) => el("li", {}, line))))] : [];
 }
 
 function missing() {
   if (!diagnosis.missing.length) return;
-  section("missing", "What is missing", lead("In the order found; sizes after everything was refitted together."),
-    diagnosis.missing.map((m, i) => el("div", { class: "card" }, el("h3", {}, i + 1 + ". " + m.in_words), el("dl", {},
+  section("missing", "What is missing", lead("In the order found; sizes after refitting everything together."),
+    diagnosis.missing.map((m, i) => el("div", { class: "card" }, el("h3", {}, i + 1 + ". " + withSymbol(m)), el("dl", {},
       entry("Size", m.parameters.map(sized).join(", ")),
       entry("Odds", m.odds_in_words),
       entry("Share of the error", known(m["size" + kSuffix]) && m["size" + kSuffix] > 0 ? plusMinus(m["size" + kSuffix], sizeStd(heldOut(m)), data.unit) + " RMS" + (diagnosis.repeatability_from === "estimated" || !(data.noise > 0) ? "" : ", " + num(m["size" + kSuffix] / data.noise, 2) + " × the repeatability") : ""),
@@ -138,7 +138,7 @@ function missing() {
 function unexplained() {
   if (!diagnosis.profiles.length && !diagnosis.formulas.length) return;
   const values = (type) => data.added.filter((a) => a.effect.type === type).flatMap((a) => a.values.map(sized)).join(", ");
-  section("unexplained", "What no effect of the catalogue explains", diagnosis.profiles.length ? lead("A smooth function of what was recorded. The band is the expanded uncertainty (k = 2).") : null,
+  section("unexplained", "What no effect of the catalogue explains", diagnosis.profiles.length ? lead("A smooth function of recorded variables. The band is the expanded uncertainty (k = 2).") : null,
     diagnosis.profiles.map((p) => el("div", { class: "card" }, el("h3", {}, p.direction === "approach" ? "Along the approach" : (p.unit === "arcsec" ? "Of " : "Along ") + p.direction, ", over " + p.variables.map((name, k) => variableName(name, p.units[k])).join(" and ")),
       el("dl", {}, entry("Odds", p.odds_in_words), entry("Held-out RMS", arrow(heldOut(p)))), profileFigure(p))),
     diagnosis.formulas.map((f) => el("div", { class: "card" }, el("h3", {}, "The same as a formula, along " + f.direction), el("p", {}, el("code", {}, f.formula)),
@@ -150,7 +150,7 @@ function unexplained() {
 function left() {
   if (!diagnosis.drift.length && !diagnosis.artifact_scatter.length) return;
   const size = (d) => (known(d.std_arcsec) ? withUnit(num(d.std_arcsec), "arcsec") : withUnit(num(d.std_um), "um"));
-  const perhaps = (d) => d.perhaps.map((o) => el("div", {}, o.in_words + ", odds " + o.odds_in_words + (known(o.share) ? "; it would take over " + percent(o.share) + " of the drift" : "")));
+  const perhaps = (d) => d.perhaps.map((o) => el("div", {}, withSymbol(o) + ", odds " + o.odds_in_words + (known(o.share) ? "; it would explain " + percent(o.share) + " of the drift" : "")));
   section("left", "Drift and scatter", diagnosis.drift.map((d) => el("div", { class: "card" }, el("h3", {}, "Drift " + (d.direction === "approach" ? "along the approach" : "of " + d.direction)), el("dl", {},
     entry("Size", size(d) + " RMS"), entry("Time constant", known(d.time_constant_s) && d.time_constant_s > 0 ? duration(d.time_constant_s) : ""), entry("Perhaps", ...perhaps(d)), entry("To do", said(d.to_do))))),
     diagnosis.artifact_scatter.length ? el("div", { class: "card" }, el("h3", {}, "Scatter of the artifact"), el("dl", {},
@@ -166,7 +166,7 @@ function sharePercent(share) {
 function where() {
   if (!diagnosis.where.length) return;
   const rows = diagnosis.where.map((w) => Object.assign([w.variable, [meter(w.share), sharePercent(w.share)], pValue(w.p_value), sharePercent(w.share_beside), pValue(w.p_value_beside)], { chosen: w.p_value_beside < 0.01 }));
-  sectionIf(diagnosis.where.some((w) => w.p_value < 0.01), "where", "Where the model fails", "no variable explains what is left", lead("Share of what is left that one variable explains, in any direction: alone, and of what those above it leave. p: probability of so much by chance in the noise that was found, corrected for the number of variables; bold where it is below 0.01 beside those above."),
+  sectionIf(diagnosis.where.some((w) => w.p_value < 0.01), "where", "Where the model fails", "no variable explains the residuals", lead("Share of what is left that one variable explains, in any direction: alone, and of what those above it leave. p: probability of so much by chance in the noise that was found, corrected for the number of variables; bold where it is below 0.01 beside those above."),
     longTable("Variables, largest share first", [["Variable"], ["Share alone", "nowrap"], ["p", "n"], ["beside those above", "n"], ["p", "n"]], rows, 12));
 }
 
@@ -175,15 +175,15 @@ function variables() {
   const improved = data.variables.some((v) => v.improved.some(known));
   const figures = (views) => el("div", { class: "grid" }, views.map((v) => variableFigure(v).node));
   const [explaining, others] = [data.variables.filter((v) => v.p_value < 0.01), data.variables.filter((v) => !(v.p_value < 0.01))];
-  const text = lead("What would have to be added, along the direction in which the variable explains most: mean of the measurements in each bin with its expanded uncertainty (blue), single measurements (grey, thinned)" +
-      (improved ? ", and the means with the named effects added (green)" : "") + ". The fit has absorbed a part of what is missing, so an effect is larger than it looks here.");
+  const text = lead("Residual along the direction in which the variable explains most: deviation (actual \u2212 indicated) as measured minus that of the model, which is what the model would have to add. Mean of each bin with its expanded uncertainty (blue), single measurements (grey, thinned)" +
+      (improved ? ", and the means with the named effects added (green)" : "") + ". The fit has absorbed part of the missing effect, so the effect is larger than it appears here.");
   if (!explaining.length) foldedSection("variables", "Residual against each variable", "none of " + others.length + " explains anything", text, figures(others));
   else section("variables", "Residual against each variable", text, figures(explaining),
     others.length ? el("details", {}, el("summary", {}, others.length + (others.length === 1 ? " variable that explains nothing" : " variables that explain nothing")), figures(others)) : null);
 }
 
 function space() {
-  if (data.vectors) sectionIf(data.added.length > 0, "space", "Residuals in space", "nothing is named that could be seen in them", spaceSection(data.vectors));
+  if (data.vectors) sectionIf(data.added.length > 0, "space", "Residuals in space", "no effect is named that they could show", spaceSection(data.vectors));
 }
 
 function positioning() {
@@ -252,14 +252,14 @@ function candidates() {
   const rows = diagnosis.candidates.map((c) => {
     const taken = diagnosis.missing.find((m) => sameEffect(m.effect, c.effect));
     const gain = c[key] && known(c[key][0]) && known(c[key][1]) && c[key][0] > 0 ? 1 - c[key][1] / c[key][0] : 0;
-    const rivalNames = taken ? taken.confusable_with.map((o) => o.in_words) : [];
-    return Object.assign([c.in_words, c.odds_in_words, [meter(gain), c[key] ? bareRms(c[key][1]) : "–"], c["size" + kSuffix] > 0 ? bare(c["size" + kSuffix], sizeStd(c[key])) : "–", rivalNames.join("; ") || "–"], { chosen: !!taken });
+    const rivalNames = taken ? taken.confusable_with.map(withSymbol) : [];
+    return Object.assign([withSymbol(c), c.odds_in_words, [meter(gain), c[key] ? bareRms(c[key][1]) : "–"], c["size" + kSuffix] > 0 ? bare(c["size" + kSuffix], sizeStd(c[key])) : "–", rivalNames.join("; ") || "–"], { chosen: !!taken });
   });
-  sectionIf(diagnosis.missing.length > 0, "candidates", "Candidates, best first", "none is named", lead("Each cause of the catalogue. The odds are those beside what was found: what only imitates it has none. Size and held-out RMS are those of each alone, everything refitted with it; the bar is the share of the held-out RMS that it removes, worked out for the best. Bold: named as missing."),
+  sectionIf(diagnosis.missing.length > 0, "candidates", "Candidates, best first", "none is named", lead("Each cause of the catalogue. The odds are conditional on the effects found; an effect that merely imitates them has none. Size and held-out RMS are those of each alone, everything refitted with it; the bar is the share of the held-out RMS that it removes, worked out for the best. Bold: named as missing."),
     longTable(diagnosis.candidates.length + (diagnosis.candidates.length === 1 ? " cause asked" : " causes asked"), [["Cause"], ["odds", "nowrap"], ["held-out RMS after, " + kUnit, "nowrap"], ["size, " + kUnit, "n"], ["confusable with", "text"]], rows, 12));
 }
 
-const stepName = (e) => (e.action === "calibrate" ? "calibrated" : e.action + " " + said(e.in_words));
+const stepName = (e) => (e.action === "calibrate" ? "calibrated" : e.action + " " + said(withSymbol(e)));
 /** Held-out RMS after each step of the ledger, and with what the diagnosis proposes. */
 function ledgerSteps() {
   if (!data.ledger.length) return [];
@@ -267,30 +267,32 @@ function ledgerSteps() {
   const steps = [{ name: data.ledger[0].action === "calibrate" ? "nominal machine" : "before", held_out: data.ledger[0][key] && data.ledger[0][key][0] }];
   for (const e of data.ledger) steps.push({ name: stepName(e), held_out: e[key] && e[key][1] });
   const proposed = data.figures.find((f) => /named effects/.test(f.name));
-  if (proposed) steps.push({ name: "proposed: " + data.added.map((a) => said(a.in_words)).join(" and "), held_out: proposed[key], proposed: true });
+  if (proposed) steps.push({ name: "proposed: " + data.added.map((a) => said(withSymbol(a))).join(" and "), held_out: proposed[key], proposed: true });
   return steps.filter((s) => known(s.held_out));
 }
 
 function ledger() {
   if (!data.ledger.length) return;
-  sectionIf(data.ledger.length > 1, "ledger", "Ledger: the error as it fell", "nothing was added since the calibration",
-    table("Every step, and what it did to the error", [["Step"], ["RMS, " + kUnit, "n"], ["held-out RMS, " + kUnit, "n"], ["when (UTC)", "nowrap"], ["taken from", "nowrap"]],
+  sectionIf(data.ledger.length > 1, "ledger", "Ledger: error after each step", "nothing was added since the calibration",
+    table("Each step and its effect on the error", [["Step"], ["RMS, " + kUnit, "n"], ["held-out RMS, " + kUnit, "n"], ["when (UTC)", "nowrap"], ["taken from", "nowrap"]],
       data.ledger.map((e) => [stepName(e), fall(e["rms" + kSuffix]), fall(e["held_out_rms" + kSuffix]), clock(e.time, ""), e.calibration || "–"])),
-    el("p", { class: "note" }, "Any step can be taken back: mm remove."));
+    el("p", { class: "note" }, "Any step can be undone with mm remove."));
 }
 
 function parameters() {
   const lost = data.identifiability ? data.identifiability.lost : [];
-  const rows = data.parameters.flatMap((e) => e.values.map((v) => [e.in_words, v.name, known(v.nominal) ? withUnit(short(v.nominal), v.unit) : "–", v.held ? withUnit(num(v.value, 5), v.unit) + " (held)" : plusMinus(v.value, v.std, v.unit)]));
+  const rows = data.parameters.flatMap((e) => e.values.map((v) => [withSymbol(e), [v.name, v.meaning ? el("div", { class: "note" }, said(v.meaning)) : null], known(v.nominal) ? withUnit(short(v.nominal), v.unit) : "–", v.held ? withUnit(num(v.value, 5), v.unit) + " (held)" : plusMinus(v.value, v.std, v.unit)]));
   sectionIf(rows.length > 0 || lost.length > 0, "parameters", "Parameters, nominal and actual", "the model has none", rows.length ? longTable("As in the calibration file, with the expanded uncertainty (k = 2)", [["Effect"], ["Parameter"], ["nominal", "n"], ["actual", "n"]], rows, 40) : lead("The model has no effects: the machine as its scales read."),
     data.identifiability ? el("p", {}, data.identifiability.rank + " of " + data.identifiability.parameters + " parameters are determined by this session.") : null,
     nominalAndActual(),
+    data.profiles.map((p) => [el("h3", {}, "The " + said(p.in_words)), profileFigure(p)]),
     lost.length ? [el("h3", {}, "Directions that this session does not determine"), el("ul", {}, lost.map((l) => el("li", {}, l.in_words.replace(/\.$/, "") + ". Held: " + l.fixed_by + (l.by_convention ? ", by convention" : "") + (l.would_show ? "; " + l.would_show : "") + ".")))] : null);
 }
 
 function pointSet() {
   const p = data.point_set, range = (a, b, unit) => (known(a) ? (a === b ? short(a) : short(a) + " … " + short(b)) + " " + unitText(unit) : "–");
-  sectionIf(p.weak && p.weak.length > 0, "points", "The point set", p.contacts + " contacts, " + p.references + " references; no parameter is weakly determined", lead(p.contacts + " contacts and " + p.references + " references in " + (p.duration_s > 300 ? num(p.duration_s / 60) + " min" : num(p.duration_s) + " s") + "."),
+  const weak = (p.weak || []).length + data.weak.length > 0;
+  sectionIf(weak, "points", "The point set", p.contacts + " contacts, " + p.references + " references; no parameter is weakly determined", lead(p.contacts + " contacts and " + p.references + " references in " + (p.duration_s > 300 ? num(p.duration_s / 60) + " min" : num(p.duration_s) + " s") + "."),
     p.features.length ? longTable("Balls and points", [["Name"], ["contacts", "n"], ["cone of approach, ± °", "n"], ["centre alone, × noise", "n"]], p.features.map((f) => [f.name, String(f.contacts), num(f.cone_half_angle_deg),
       f.kind !== "ball" ? "–" : known(f.centre_std_per_noise) ? num(f.centre_std_per_noise, 2) : "not determined"]), 20) : null,
     table("Joints", [["Joint"], ["range", "nowrap"], ["positions", "n"], ["travel + / − / unknown", "n"], ["correlation with time", "n"]], p.joints.map((j) => {
@@ -299,12 +301,13 @@ function pointSet() {
     })),
     p.logged.length ? table("Logged", [["Quantity"], ["range", "nowrap"], ["missing", "n"], ["correlation with time", "n"]], p.logged.map((i) => [i.name, range(i.lower, i.upper, i.unit), String(i.missing),
       fixed(i.correlation_with_time) + (Math.abs(i.correlation_with_time) > 0.95 ? " (not separable from drift)" : "")])) : null,
-    p.weak && p.weak.length ? table("Weakly determined parameters", [["Parameter"], ["only to ±", "n"]], p.weak.map((w) => [w.name, withUnit(num(w.std, 2), w.unit)])) : null);
+    p.weak && p.weak.length ? table("Parameters that these points determine only weakly, before any fit (k = 2)", [["Parameter"], ["only to ±", "n"]], p.weak.map((w) => [w.name, withUnit(num(2 * w.std, 2), w.unit)])) : null,
+    data.weak.length ? [el("h3", {}, "Weakly determined in the fit"), el("ul", {}, data.weak.map((w) => el("li", {}, said(w) + ".")))] : null);
 }
 
 function outliers() {
   if (!data.outliers.length) return;
-  section("outliers", "Outliers, set aside", longTable(data.outliers.length + (data.outliers.length === 1 ? " measurement that stands apart from its" : " measurements that stand apart from their") + " neighbours", [["Row", "n"], ["feature"], ["time, s", "n"], ["residual", "n"], ["× noise", "n"]],
+  section("outliers", "Outliers, set aside", longTable(data.outliers.length + (data.outliers.length === 1 ? " measurement that deviates from its" : " measurements that deviate from their") + " neighbours", [["Row", "n"], ["feature"], ["time, s", "n"], ["residual", "n"], ["× noise", "n"]],
     data.outliers.map((o) => [String(o.row), o.feature || "–", num(o.time_s, 5), withUnit(num(o.residual), o.unit), num(o.sigmas, 2)]), 12));
 }
 
@@ -318,16 +321,16 @@ function limits() {
     const key = c.effect.type + "\n" + c.why;
     if (!groups.has(key)) groups.set(key, { members: [], why: c.why, moves: new Set() });
     const group = groups.get(key);
-    group.members.push(c.in_words);
+    group.members.push(withSymbol(c));
     group.moves.add(c.moves || "–");
   }
   // the members of one family: no more than can be read
   const named = (g) => g.members.slice(0, 6).join("; ") + (g.members.length > 6 ? "; and " + (g.members.length - 6) + " more" : "");
   const advice = (g) => [...g.moves][0] + (g.moves.size > 1 ? " Likewise for the others." : "");
   const inputs = diagnosis.missing_inputs;
-  sectionIf(inputs.length > 0, "limits", "What this session cannot show", groups.size ? diagnosis.cannot_show.length + " effects that could be there unseen" : "nothing of the catalogue", inputs.length ? table("Inputs that were not recorded", [["Input"], ["in its place", "text"], ["cannot be excluded without it", "text"]],
+  sectionIf(inputs.length > 0, "limits", "What this session cannot show", groups.size ? diagnosis.cannot_show.length + " effects cannot be excluded" : "no effect of the catalogue", inputs.length ? table("Inputs that were not recorded", [["Input"], ["in its place", "text"], ["cannot be excluded without it", "text"]],
     inputs.map((i) => [i.input, i.assumed ? "assumed " + i.assumed : "–", i.assumed ? "–" : i.in_words || "–"])) : null,
-    groups.size ? [lead("These effects may be there all the same: this session could not have shown them."),
+    groups.size ? [lead("This session cannot exclude these effects."),
       longTable("Effects, why they stay hidden, and what would show them", [["Effect", "text"], ["why", "text"], ["what would show it", "text"]], [...groups.values()].map((g) => [named(g), g.why, advice(g)]), 10)] :
     inputs.length ? null : lead("Every effect of the catalogue would have shown in this session."));
 }
@@ -339,21 +342,21 @@ function nextMeasurement() {
   const head = (k) => k.replace(/_(mm|deg|um|s|degC|mm_s|deg_s)$/, (x, unit) => ", " + unitText(unit.replace("_s", "/s"))).replace(/_/g, " ");
   const text = (v) => (Array.isArray(v) ? "(" + v.map((a) => num(a, 2)).join(", ") + ")" : typeof v === "number" ? short(v) : v === undefined || v === null ? "–" :
     typeof v === "object" ? Object.entries(v).map(([joint, side]) => (side > 0 ? "+" : "−") + joint).join(", ") : v);
-  section("next", "Next measurement", lead(moves.length + " targets that best separate what these data do not, most useful first."),
+  section("next", "Next measurement", lead(moves.length + " targets that best separate the candidates, most useful first."),
     longTable("Targets", [["#", "n"], ...keys.map((k) => [head(k), "n"])], moves.map((m, i) => [String(i + 1), ...keys.map((k) => text(m[k]))]), 12),
     el("p", { class: "lead" }, "As a plan that mm simulate and the node measure run:"), el("div", { class: "command" }, el("code", {}, data.moves_command)));
 }
 
 function legend() {
-  const terms = [["RMS", "root mean square of the scalar residuals: one a contact on a ball, one a measured component of a reference."],
-    ["Held-out RMS", "the same, of measurements that the fit did not see: blocks of time are left out in turn, the values fitted again to the others, and no drift predicted, as a corrected machine has it. It does not fall by fitting noise. Everywhere on this page, and in the ledger of mm add, it is this figure; mm diagnose also prints one that predicts drift from its neighbours, which is smaller where the machine drifts."],
-    ["χ²/ν", "squared residuals over the noise, a degree of freedom: 1 when nothing but noise is left; says nothing where the noise was estimated from the residuals."],
+  const terms = [["RMS", "root mean square of the scalar residuals: one per contact on a ball, one per measured component of a reference."],
+    ["Held-out RMS", "the same, of measurements that the fit did not use: blocks of time are left out in turn, the parameters are refitted to the others, and no drift is predicted, as for a corrected machine. Fitting noise does not reduce it. Everywhere on this page, of mm diagnose and in the ledger of mm add, it is this figure."],
+    ["χ²/ν", "squared residuals over the noise, per degree of freedom: 1 when only noise is left; meaningless where the noise was estimated from the residuals."],
     ["Odds", "that the effect acts, against its rivals and chance; “30 to 1” is a probability of 97 %."],
-    ["Repeatability", "standard deviation of one measurement repeated; noise found: the part of the residuals that follows nothing."],
+    ["Repeatability", "standard deviation of one measurement repeated; noise found: the part of the residuals that is unrelated to any variable."],
     ["p", "probability of so large a share by chance, corrected for the number of variables."],
-    ["±", "the expanded uncertainty, k = 2, everywhere on this page: of a parameter from the covariance of the fit; of an RMS, a share or a size as for independent normal residuals, so more where what is left has structure. Largest values and readings are as they were seen."]];
+    ["±", "the expanded uncertainty, k = 2, everywhere on this page: of a parameter from the covariance of the fit; of an RMS, a share or a size as for independent normal residuals, so more where what is left has structure. Largest values and readings are as observed."]];
   main.append(el("footer", {}, el("h3", {}, "How to read the figures"), el("dl", {}, terms.map(([a, b]) => [el("dt", {}, a), el("dd", {}, b)])),
-    el("p", {}, "measuring_machine " + (data.software || "") + ". Session " + data.session + ", calibration " + data.calibration + ". This page is complete in itself and loads nothing from a network. Figures by Plotly.js (MIT).")));
+    el("p", {}, "measuring_machine " + (data.software || "") + ". Session " + data.session + ", calibration " + data.calibration + ". This page is self-contained and loads nothing from a network. Figures by Plotly.js (MIT).")));
 }
 
 [header, errors, positioning, circles, missing, unexplained, left, where, variables, space, thermal, candidates, ledger, parameters, pointSet, outliers, curves, limits, nextMeasurement, legend].forEach((part) => part());

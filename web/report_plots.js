@@ -84,7 +84,7 @@ function variableFigure(v) {
   return figure({
     name: v.name,
     label: "Mean residual " + along + " against " + v.name + ": largest " + length(v.mean[most]) + " at " + where,
-    caption: along + "; explains " + percent(v.share) + " (" + ("p = " + pValue(v.p_value)).replace("= <", "<").replace(/ /g, "\u00a0") + ")",
+    caption: "residual " + along + "; explains " + percent(v.share) + " (" + ("p = " + pValue(v.p_value)).replace("= <", "<").replace(/ /g, "\u00a0") + ")",
     make: (c) => [[
       { x: jitter, y: v.y, mode: "markers", type: "scatter", marker: { size: 3, color: c.soft, opacity: 0.35 }, hoverinfo: "skip" },
       v.improved.some(known) ? { x: v.at, y: v.improved, mode: v.category ? "markers" : "lines", type: "scatter", line: { color: c.good, width: 1.5, dash: "dot" },
@@ -96,7 +96,7 @@ function variableFigure(v) {
     ].filter(Boolean), {
       xaxis: Object.assign({ title: titled(v.category ? v.name : v.name + (unit ? ", " + unit : "")), zeroline: false },
         v.category ? { tickvals: v.at, ticktext: v.labels.map(plain), range: [-0.5, v.labels.length - 0.5] } : {}),
-      yaxis: { title: titled("missing, " + kUnit), range: [-reach, reach] },
+      yaxis: { title: titled("measured \u2212 model, " + kUnit), range: [-reach, reach] },
     }],
   });
 }
@@ -134,6 +134,13 @@ function wrapped(text, width) {
   return lines.map(plain).join("<br>");
 }
 
+/** What was measured against the variable of a profile: its own points, else those of the residual. */
+function pointsOf(p) {
+  if (p.x) return p;
+  const same = (v) => v.direction === p.direction && v.unit === p.units[0] && (v.name === p.variables[0] || (v.name === "time" && p.variables[0] === "t"));
+  return data.variables.find((v) => !v.category && same(v)) || { x: [], y: [] };
+}
+
 /** A smooth function of one variable with its band, or of two as a map. */
 function profileFigure(p) {
   const n = p.variables.length, unit = unitText(p.unit);
@@ -147,10 +154,12 @@ function profileFigure(p) {
   const label = "Error against " + named.join(" and ") + ": largest " + size(most) + " at " + at(most);
   const hover = "%{text}<extra></extra>";
   if (n === 2) return profileMap(p, points, axis, label, (point) => plain(at(point) + ": " + size(point)), hover, unit);
+  const measured = pointsOf(p);
   const x = points.map((point) => point[0]), edge = (side) => points.map((point) => point[1] + side * 2 * point[2]);
   return figure({
-    label, kind: "tall",
+    label, kind: "tall", caption: measured.x.length ? "Curve with its expanded uncertainty (k = 2); grey: single measurements" + (p.x ? ", the curve and the residual that it leaves." : ", the residual without the curve.") : null,
     make: (c) => [[
+      { x: measured.x, y: measured.y, mode: "markers", type: "scatter", marker: { size: 3, color: c.soft, opacity: 0.35 }, hoverinfo: "skip" },
       { x, y: edge(-1), mode: "lines", type: "scatter", line: { width: 0 }, hoverinfo: "skip" },
       { x, y: edge(1), mode: "lines", type: "scatter", line: { width: 0 }, fill: "tonexty", fillcolor: c.accent + "33", hoverinfo: "skip" },
       { x, y: points.map((point) => point[1]), mode: "lines", type: "scatter", line: { color: c.accent, width: 2 }, text: points.map((point) => plain(at(point) + ": " + size(point))), hovertemplate: hover },

@@ -16,7 +16,7 @@ function spaceSection(v) {
   const say = () => {
     const values = v.states[state].value_um;
     const rms = Math.sqrt(values.reduce((sum, x) => sum + x * x, 0) / values.length);
-    said.textContent = "Vectors are drawn " + grouped(exaggeration) + " times longer than they are: 1 mm in the picture is " + num(1000 / exaggeration) +
+    said.textContent = "Vectors are drawn " + drawnLonger(exaggeration) + ": 1 mm in the picture is " + num(1000 / exaggeration) +
       " µm. RMS of those shown: " + num(rms) + " µm, outliers included. Drawn: " + v.at_mm.length + " of " + v.observations +
       " measurements. Colours end at ± " + num(limit) + " µm for every choice.";
   };
@@ -52,11 +52,11 @@ function spaceSection(v) {
     { margin: { l: 0, r: 0, t: 0, b: 0 }, uirevision: "keep", scene: { aspectmode: "data", xaxis: axis("x"), yaxis: axis("y"), zaxis: axis("z"), camera: { eye: { x: 1.35, y: -1.6, z: 0.95 }, center: { x: 0, y: 0, z: -0.12 } } } }];
   };
   const fig = figure({ kind: "space", label, make, modeBar: true,
-    caption: (v.signed ? "Each line starts at the touched point and runs along the ball's normal: outwards (red) where the machine found the surface too far out, inwards (blue) where too far in." :
-      "Each line runs from where the target should be to where the machine found it.") + (hasWebGl ? (overlapping ? " The balls overlap: only their centres are drawn." : "") + " Drag to turn." : " This browser has no WebGL: seen from above.") });
+    caption: (v.signed ? "Each line starts at the touched point and runs along the ball's normal: outwards (red) where the machine found the surface too far out, inwards (blue) where too far in. Found minus true has the opposite sign of a residual along an axis (actual \u2212 indicated)." :
+      "Each line runs from where the target should be to where the machine found it; found minus true has the opposite sign of a residual along an axis (actual \u2212 indicated).") + (hasWebGl ? (overlapping ? " The balls overlap: only their centres are drawn." : "") + " Drag to turn." : " This browser has no WebGL: seen from above.") });
   const change = () => { say(); fig.draw(); };
   const select = el("select", { id: "exaggeration" });
-  for (const value of [...new Set(own)].sort((a, b) => a - b)) select.append(el("option", { value }, grouped(value) + " times"));
+  for (const value of [...new Set(own)].sort((a, b) => a - b)) select.append(el("option", { value }, value === 1 ? "none" : grouped(value) + " times"));
   select.value = exaggeration;
   select.addEventListener("change", () => { exaggeration = Number(select.value); change(); });
   const radios = v.states.map((s, i) => {

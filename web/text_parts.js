@@ -86,6 +86,8 @@ const duration = (s) => (s < 90 ? num(s, 2) + " s" : s < 5400 ? num(s / 60, 2) +
 const variableName = (name, unit) => (name === "t" ? "time" : unit === "degC" ? "temperature " + name : name.replace(/^(.*)_velocity$/, "velocity of $1"));
 /** A time of a file (UTC) as it is read. */
 const clock = (time, zone = " UTC") => time.replace("T", " ").replace("Z", zone);
+/** An effect in words, with its symbol of ISO 230-1 where it has one. */
+const withSymbol = (effect) => effect.in_words + (effect.iso230 ? " (" + effect.iso230 + ")" : "");
 const sameEffect = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 
 const kVerdicts = {
@@ -105,6 +107,8 @@ function roundDown(value) {
   return [5, 2, 1].map((f) => f * decade).find((f) => f <= value * 1.0001);
 }
 /** A whole number with a narrow space before each three digits. */
+/** "Vectors are drawn …": how much longer than they are. */
+const drawnLonger = (times) => (times === 1 ? "to scale" : grouped(times) + " times longer than they are");
 const grouped = (value) => String(value).replace(/\B(?=(\d{3})+$)/g, "\u202f");
 /** Length of the longest side of the box around points. */
 const longestSide = (points) => Math.max(...[0, 1, 2].map((k) => Math.max(...points.map((p) => p[k])) - Math.min(...points.map((p) => p[k]))));

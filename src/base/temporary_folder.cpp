@@ -28,7 +28,7 @@ void TemporaryFolder::write(const std::string& name, const std::string& text) co
   const fs::path inside(name);
   bool leaves = inside.empty() || inside.is_absolute();
   for (const fs::path& part : inside) leaves = leaves || part == "..";
-  if (leaves) throw InputError("'" + name + "' is no name of a file inside a folder");
+  if (leaves) throw InputError("'" + name + "' is not a file name inside a folder");
   std::error_code error;
   fs::create_directories((path_ / inside).parent_path(), error);
   errno = 0;  // what fails sets it: a stream does not tell why it failed, and its close forgets it

@@ -19,9 +19,9 @@ namespace {
 [[noreturn]] void refuse(const fs::path& file, int cause) {
   std::string remedy = "check the path and its permissions";
   if (cause == ENOSPC || cause == EDQUOT)
-    remedy = "make room on the disk and repeat; the file that was there is unchanged";
+    remedy = "free disk space and repeat; the existing file is unchanged";
   if (cause == EFBIG)
-    remedy = "raise the limit of file sizes (ulimit -f) and repeat; the file that was there is unchanged";
+    remedy = "raise the file size limit (ulimit -f) and repeat; the existing file is unchanged";
   if (cause == ENOENT) remedy = "create the folder first";
   throw InputError(file.string() + ": cannot be written: " + std::strerror(cause) + "; " + remedy);
 }

@@ -36,8 +36,8 @@ std::string differenceOf(const Calibration& calibration, const Machine& other, c
 std::string uncheckedFit(const Calibration& calibration, const Machine& machine) {
   const std::string who = "calibration '" + calibration.id + "' ";
   if (!calibration.toldSpace)
-    return who + "was written before calibrations said of which machine they are (software " +
-           calibration.software + "): only its URDF could be compared; calibrate again";
+    return who + "does not name its machine (software " + calibration.software +
+           "): only its URDF could be compared; calibrate again";
   const Machine calibrated(calibration.urdf, calibration.machineName);
   if (!serialOf(machine).empty() && serialOf(calibrated).empty())
     return who + "states no serial, this machine is '" + serialOf(machine) +

@@ -98,8 +98,8 @@ std::string CalibrationStore::linked(const char* link) const {
   if (failed) {
     if (fs::exists(folder_ / link, failed))
       throw InputError((folder_ / link).string() +
-                       ": is no link, but must be one to a calibration of its folder; "
-                       "remove it, then promote an id of mm history");
+                       ": must be a link to a calibration in its folder; remove it, then promote an id of mm "
+                       "history");
     return {};
   }
   // A path would lead to a calibration of another folder, or to none; its name alone may be one of this
@@ -125,7 +125,7 @@ Calibration CalibrationStore::load(const std::string& id) const {
   const fs::path file = fileOf(id);
   if (!fs::exists(file))
     throw InputError("no calibration '" + id + "' in " + folder_.string() +
-                     "; mm history lists those that are kept");
+                     "; mm history lists the stored ones");
   return loadCalibration(file);
 }
 
@@ -162,7 +162,7 @@ bool CalibrationStore::keeps(const std::string& id) const {
 void CalibrationStore::note(Verified v) const {
   if (!keeps(v.id))
     throw InputError("no calibration '" + v.id + "' in " + folder_.string() +
-                     "; mm history lists those that are kept");
+                     "; mm history lists the stored ones");
   if (v.time.empty()) v.time = utcNow();
   for (char& c : v.session)
     if (std::iscntrl(static_cast<unsigned char>(c)) != 0) c = ' ';
@@ -257,10 +257,11 @@ std::string CalibrationStore::rollback(const std::string& id, const Check& check
   std::string chosen = id, passedOver;
   if (chosen.empty()) {
     if (now.empty())
-      throw InputError("nothing is active in " + folder_.string() + "; make one active with mm promote");
+      throw InputError("no calibration is active in " + folder_.string() +
+                       "; make one active with mm promote");
     chosen = fallBack(now, passedOver);
     if (chosen.empty())
-      throw InputError("nothing undamaged was active before '" + now + "' in " + folder_.string() +
+      throw InputError("no undamaged calibration was active before '" + now + "' in " + folder_.string() +
                        (passedOver.empty() ? "" : " (" + passedOver + ")") + "; promote an id of mm history");
   }
   const Calibration wanted = load(chosen);

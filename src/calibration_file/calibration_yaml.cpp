@@ -208,7 +208,8 @@ void addMachine(Calibration& c, const std::string& source) {
 
 /// The first line must be the checksum of all that follows it.
 void checkIntegrity(const std::string& text, const std::string& source) {
-  const std::string remedy = "; take an undamaged copy or calibrate again (mm history lists what is kept)";
+  const std::string remedy =
+      "; use an undamaged copy or calibrate again (mm history lists stored calibrations)";
   constexpr const char kFirst[] = "checksum: crc64-";
   constexpr std::size_t kDigitsAt = sizeof kFirst - 1, kDigits = 16;
   if (text.empty()) throw InputError(source + ": damaged calibration file: it is empty" + remedy);
@@ -220,7 +221,7 @@ void checkIntegrity(const std::string& text, const std::string& source) {
   if (text.compare(kDigitsAt, kDigits, actual) != 0)
     throw InputError(source + ":1: damaged calibration file: the checksum says " +
                      text.substr(kDigitsAt, kDigits) + ", the content has " + actual +
-                     "; it was cut short or changed after it was written" + remedy);
+                     "; it was truncated or changed after it was written" + remedy);
 }
 
 void check(const Calibration& c) {

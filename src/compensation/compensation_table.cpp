@@ -29,7 +29,7 @@ std::string compensationTable(const Compensator& compensator, int points) {
   const std::vector<int> linear = linearJoints(model.machine().joints());
   if (linear.empty())
     throw InputError(
-        "the machine has no linear joint: its correction is no table of positions; use the node "
+        "the machine has no linear joint, so its correction cannot be a table of positions; use the node "
         "compensation");
   const std::set<int> travels = travelsOf(model);
   std::string out;

@@ -129,7 +129,7 @@ void Compensator::addPlay(const State& state, const MovingState& moved, const Pa
     c.covariance += off * off.transpose();
     if (left > 0.0)
       c.note +=
-          (c.note.empty() ? "" : "; ") + format("play of %s is being taken up: %.3g of %.3g um are left",
+          (c.note.empty() ? "" : "; ") + format("backlash of %s is being taken up: %.3g of %.3g um remain",
                                                 model_.machine().joints()[j].name.c_str(), left / kMicrometre,
                                                 play.norm() / kMicrometre);
   }
@@ -151,8 +151,8 @@ void Compensator::addPast(const State& state, const Part& part, Workspace& work,
   c.note +=
       (c.note.empty() ? "" : "; ") +
       format(
-          "what lags behind the temperatures may be off by %.3g um (one standard deviation): they were not "
-          "heard for long enough",
+          "thermal effects with a time lag may be wrong by %.3g um (one standard deviation): temperatures "
+          "have not been received for long enough",
           off.norm() / kMicrometre);
 }
 

@@ -109,9 +109,10 @@ TargetReadings Compensator::correctTarget(const Eigen::Vector3d& truePoint, Movi
   target.reason = target.correction.valid ? beyondLimits(machine, target.position) : target.correction.reason;
   target.reached = target.reason.empty();
   if (!upwards.empty())
-    target.correction.note += (target.correction.note.empty() ? "" : "; ") +
-                              ("the target is nearer than the play of " + upwards +
-                               ": approach it upwards in " + upwards + ", from further below than the play");
+    target.correction.note +=
+        (target.correction.note.empty() ? "" : "; ") +
+        ("the target is nearer than the backlash of " + upwards + ": approach it upwards in " + upwards +
+         ", from further below than the backlash");
   return target;
 }
 

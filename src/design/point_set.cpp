@@ -125,17 +125,25 @@ void coverInputs(const Session& session, const std::vector<Series>& logged, bool
 }
 
 /// Orthonormal basis of what the free unknowns, and a constant in each measured component, can explain of the
-/// data rows.
+/// data rows. Touches of balls have no such constant: an artifact that lies elsewhere moves opposite sides of
+/// a ball in opposite senses, and what moves both alike is a radius.
 Eigen::MatrixXd explainedBy(const Linearisation& at, const Eigen::VectorXd& inverse,
                             const std::vector<char>& fixed) {
   const Problem& problem = at.problem();
   const WhitenedSystem system(at, inverse, fixed);
   const int data = problem.rowCount(), free = static_cast<int>(system.free.size());
+  constexpr int kNone = -1;
   std::vector<int> constantOf;
   std::vector<std::pair<ObservationKind, int>> constants;
+  const Session& session = problem.session();
   for (const ResidualRow& row : problem.rows()) {
-    const std::pair<ObservationKind, int> key(
-        problem.session().observations[static_cast<std::size_t>(row.observation)].kind, row.component);
+    const Observation& seen = session.observations[static_cast<std::size_t>(row.observation)];
+    if (seen.kind == ObservationKind::kContact &&
+        session.artifact.features[static_cast<std::size_t>(seen.feature)].kind == FeatureKind::kBall) {
+      constantOf.push_back(kNone);
+      continue;
+    }
+    const std::pair<ObservationKind, int> key(seen.kind, row.component);
     auto found = std::find(constants.begin(), constants.end(), key);
     if (found == constants.end()) found = constants.insert(found, key);
     constantOf.push_back(static_cast<int>(found - constants.begin()));
@@ -143,7 +151,8 @@ Eigen::MatrixXd explainedBy(const Linearisation& at, const Eigen::VectorXd& inve
   Eigen::MatrixXd all =
       Eigen::MatrixXd::Zero(system.jacobian.rows(), free + static_cast<Eigen::Index>(constants.size()));
   all.leftCols(free) = system.jacobian;
-  for (int i = 0; i < data; ++i) all(i, free + constantOf[static_cast<std::size_t>(i)]) = inverse[i];
+  for (int i = 0; i < data; ++i)
+    if (const int k = constantOf[static_cast<std::size_t>(i)]; k != kNone) all(i, free + k) = inverse[i];
   if (all.rows() == 0 || all.cols() == 0) return Eigen::MatrixXd(data, 0);
   return spanOf(all).topRows(data);
 }
@@ -177,7 +186,7 @@ std::vector<CannotBeShown> judgeCatalogue(const Problem& problem, const Identifi
       }
       if (!all.allFinite()) {
         hidden.push_back(
-            {spec, "an input that it needs is not known at some of the observations", effect->shownBy()});
+            {spec, "an input that it needs is unknown for some observations", effect->shownBy()});
         continue;
       }
       double seen = 0.0, alone = 0.0;  // in typical sizes over the noise

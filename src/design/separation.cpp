@@ -92,9 +92,9 @@ std::vector<Separation> separationsOf(const Session& session) {
     all.push_back(
         {"the " + inWords(effects[e]) + " from errors of the artifact", told[e] != 0,
          effects[e].type == "scale"
-             ? "one length that is known, and the artifact turned so that it lies along another axis"
-             : "the artifact turned about an axis square to both (a placement of its own)"});
-  all.push_back({"what a stylus does (lobing, radius) from what the machine does", styli.size() > 1,
+             ? "one known length, measured again with the artifact turned so that it lies along another axis"
+             : "the artifact turned about an axis perpendicular to both (a separate placement)"});
+  all.push_back({"what a stylus does (lobing) from what the machine does", styli.size() > 1,
                  "the same balls touched with another stylus"});
   all.push_back({"what changed between two sessions from what is always so", session.recordings.size() > 1,
                  "a session of another day beside this one"});

@@ -74,7 +74,7 @@ void readingDoubts(const Session& session, const std::vector<const Observation*>
       doubts.push_back(rowOf(session, *o) +
                        format("reading %.4g mm is far from all others (most are %.4g … %.4g mm): ",
                               o->laserReading / kMillimetre, at(0.1) / kMillimetre, at(0.9) / kMillimetre) +
-                       "out of the laser's range? leave the row out");
+                       "out of the laser's range? if so, leave the row out");
 }
 
 /// Shortest distance of the beam's line from a point, m.
@@ -166,10 +166,26 @@ std::vector<std::string> postureDoubts(const Session& session) {
   return doubts;
 }
 
+std::vector<std::string> repeatabilityDoubts(const CalibrationResult& r) {
+  constexpr double kTooLarge = 5.0;  // times the scatter
+  constexpr int kFew = 10;           // degrees of freedom: a scatter that is small by chance
+  if (!r.problem || r.repeatabilityFrom != "declared" || r.figures.degreesOfFreedom < kFew) return {};
+  const double times = 1.0 / std::sqrt(std::max(r.figures.chi2PerDof, 1e-18));
+  if (times < kTooLarge) return {};
+  const bool angular = !std::isfinite(r.figures.rms);
+  const double unit = angular ? kArcsecond : kMicrometre;
+  const char* const name = angular ? "arcsec" : "um";
+  return {
+      format("the declared repeatability of %.4g %s is %.3g times the scatter of the residuals (%.3g %s): "
+             "state the standard deviation of one measurement, --repeatability-um in um, or omit it",
+             r.repeatability / unit, name, times, r.repeatability / times / unit, name)};
+}
+
 std::vector<std::string> fitDoubts(const CalibrationResult& result) {
   std::vector<std::string> doubts;
   signDoubts(result, doubts);
   if (doubts.empty()) beamDoubts(result, doubts);
+  for (const std::string& doubt : repeatabilityDoubts(result)) doubts.push_back(doubt);
   return doubts;
 }
 

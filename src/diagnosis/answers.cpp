@@ -300,11 +300,13 @@ void separate(const Search& search, const Explanation& found, Diagnosis& out) {
         asked[r]->same = next.rivals[r].same;
         if (asked[r]->same)
           missing.odds = std::min(kOfThisWorld, missing.odds + asked[r]->odds);  // one error, two names
-        if (!asked[r]->same)
-          asked[r]->moves = movesInWords(next.rivals[r].deviations, next.moves.size()) +
-                            (next.change.empty() ? "" : ", with " + next.change);
+        if (asked[r]->same) continue;
+        asked[r]->moves = movesInWords(next.rivals[r].deviations, next.moves.size()) +
+                          (next.change.empty() ? "" : ", with " + next.change);
+        if (out.nextMeasurement.empty())
+          asked[r]->repeats = repeatsOfMoves(next.rivals[r].deviations, next.moves.size());
       }
-      if (out.nextMeasurement.empty()) {
+      if (std::any_of(asked.begin(), asked.end(), [](const Confusable* c) { return c->repeats > 0; })) {
         out.nextMeasurement = next.moves;
         out.moveChange = next.change;
       }

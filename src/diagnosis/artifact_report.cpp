@@ -27,12 +27,12 @@ void fillDatum(const Search& search, const Explanation& found, std::size_t block
   ArtifactScatter s;
   s.what = kDatum;
   s.std = shift.norm() * unit;
-  s.inWords = "the artifact as a whole lies beside the place that is stated as known, by";
+  s.inWords = "the artifact as a whole is displaced from its stated position, by";
   const char* const axes[] = {"x", "y", "z"};
   for (int k = 0; k < 3; ++k)
     s.inWords += std::string(k == 0 ? " " : ", ") + shortNumber(shift[k] * unit / kMicrometre) + " ± " +
                  shortNumber(2.0 * std[k] * unit / kMicrometre) + " um along " + axes[k];
-  s.inWords += " (k = 2); leave its pose free, or correct its place";
+  s.inWords += " (k = 2); leave its pose free, or correct its position";
   out.artifactScatter.push_back(std::move(s));
 }
 

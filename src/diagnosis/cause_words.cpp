@@ -60,16 +60,22 @@ std::string foundInWords(const CandidateResult& c) {
   return inWords(spec) + found;
 }
 
+int repeatsOfMoves(double deviations, std::size_t moves) {
+  constexpr double kEnough = 3.0;  // standard deviations
+  constexpr double kMost = 100.0;  // repeats: nobody measures more
+  if (moves == 0 || !(deviations > kEnough / std::sqrt(kMost))) return 0;
+  return std::max(1, static_cast<int>(std::ceil(std::pow(kEnough / deviations, 2))));
+}
+
 std::string movesInWords(double deviations, std::size_t moves) {
   if (moves == 0) return "no move within the machine's limits separates them";
-  constexpr double kEnough = 3.0;              // standard deviations
-  constexpr double kSmallestDeviation = 1e-3;  // of them: nobody measures a million times
-  const std::string all = "the " + std::to_string(moves) + " proposed moves differ by " +
-                          shortNumber(deviations) + " standard deviations";
-  if (deviations >= kEnough) return all;
-  const double times = std::ceil(std::pow(kEnough / std::max(deviations, kSmallestDeviation), 2));
-  return all + (times > 100.0 ? ": no practicable number of repeats separates them"
-                              : ": measure them " + shortNumber(times) + " times");
+  const std::string apart = " differ by " + shortNumber(deviations) + " standard deviations";
+  const int times = repeatsOfMoves(deviations, moves);
+  if (times == 0)
+    return "the best moves within the machine's limits" + apart +
+           ": no practicable number of repeats separates them";
+  return "the " + std::to_string(moves) + " proposed moves" + apart +
+         (times > 1 ? ": measure them " + std::to_string(times) + " times" : "");
 }
 
 std::string variableInWords(const std::string& name, const std::string& unit) {

@@ -83,8 +83,7 @@ class Diagnoser {
     if (out_.base.repeatabilityFrom == "estimated" || !(rms > kMost * out_.base.repeatability)) return;
     throw NumericalError(
         "its residuals are " + shortNumber(rms / out_.base.repeatability) +
-        " times the repeatability; look at units, signs and names in the session first (mm check "
-        "asks about them)");
+        " times the repeatability; first check units, signs and names in the session (mm check)");
   }
 
   /// Before a joint first moved its direction of travel is not known, nor its way since a reversal. A play

@@ -36,6 +36,7 @@ struct Confusable {
   /// it.
   std::string notRecorded;
   std::string moves;  // in words, how well the proposed moves separate it; empty where `same`
+  int repeats = 0;    // of Diagnosis::nextMeasurement that separate it; 0: no practicable number does
 };
 
 /// One effect of the catalogue, judged on the session.
@@ -114,7 +115,7 @@ struct Variation {
 /// An input that was not recorded: what was assumed in its place, and what could act without being seen.
 struct MissingInput {
   std::string input;    // "direction of travel of x", "speed of y" …
-  std::string assumed;  // how it was made up ("from the approach at the touch"); empty: it was not
+  std::string assumed;  // how it was made up ("from the approach of the contact"); empty: it was not
   std::vector<EffectSpec> effects;  // cannot be excluded without it
 };
 
@@ -162,9 +163,9 @@ struct Diagnosis {
   int asked = 0, residuals = 0;  // by which causes were found; by which their sizes are
   double tailDof = 0.0;       // degrees of freedom of Student's t where the noise has heavy tails; 0: normal
   double chainsDiffer = 0.0;  // largest difference of a probability between the chains; 0: they agree
-  /// RMS of rows that were not seen, drift predicted from its neighbours, m (rad): with nothing found, and
-  /// with everything, fitted without the rows judged. `base.figures.heldOutRms` is another
-  /// figure: values fitted again without the rows judged, no drift predicted, as a corrected machine has it.
+  /// RMS of rows that were not seen, m (rad): with nothing found, and with everything, fitted without the
+  /// rows judged. By `diagnose` drift is predicted from its neighbours; `diagnoseCalibration` puts figures
+  /// without that in its place, as those of `base.figures` and of the ledger, and as a corrected machine has.
   double heldOutBefore = 0.0, heldOut = 0.0;
   std::vector<CannotShow> cannotShow;
   std::vector<Move> nextMeasurement;

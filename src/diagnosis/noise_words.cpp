@@ -26,9 +26,9 @@ std::string artifactSentence(const Diagnosis& d, const ArtifactScatter& scatter)
   return "No effect and no structure is left" +
          (positive(d.noise) ? " in the noise of " + noiseWords(d) : std::string()) + ", but the balls' " +
          scatter.what + " scatter by " + errorInWords(scatter.std, d.angular) + " about the " + what +
-         " in the artifact file: that is wrong, or the machine errs as this session cannot show. Calibrate "
-         "the artifact, or turn it by 90 degrees and measure it again: its own errors turn with it, those of "
-         "the machine do not.";
+         " in the artifact file: either the file is wrong, or the machine has an error that this session "
+         "cannot show. Calibrate the artifact, or turn it by 90 degrees and measure it again: its own errors "
+         "turn with it, those of the machine do not.";
 }
 
 std::string driftingQuantity(const DriftResult& drift) {
@@ -64,10 +64,11 @@ std::string scatterSentence(const Diagnosis& d) {
            shortNumber(of->quickStd / d.base.repeatability) + " times the repeatability of " +
            repeatabilityWords(d) +
            (of->ofThePlace
-                ? ": the runs agree, so it follows the place or the direction of travel, as no effect of the "
-                  "catalogue does."
-                : ": an influence acts that follows nothing recorded, or one that changes within less than "
-                  "the distance of these positions.") +
+                ? ": the runs agree, so it depends on the position or the direction of travel in a way that "
+                  "no effect of the catalogue does."
+                : ": an influence acts that is unrelated to anything recorded, or that changes over less "
+                  "than "
+                  "the distance between these positions.") +
            " Measure at positions closer together.";
   const std::string twenty = repeatTwentyTimes(d);
   const std::string scatter = positive(d.noise) ? "the scatter of " + noiseWords(d) : "the scatter";
@@ -81,22 +82,23 @@ std::string scatterSentence(const Diagnosis& d) {
   return nothing + ", but " + scatter + " is " + shortNumber(times) + " times the repeatability of " +
          repeatabilityWords(d) +
          (d.base.repeated.from == "runs" && d.base.repeatabilityFrom == "repeated"
-              ? ": the runs agree, so it follows the place, from one position to the next. Measure at "
-                "positions closer together, and at unequal distances."
-              : ": either that is stated too small, or an influence acts that follows nothing recorded. " +
-                    twenty + " to find out which.");
+              ? ": the runs agree, so it depends on the position. Measure at positions closer together and "
+                "unequally spaced."
+              : ": either that is stated too small, or an influence acts that is unrelated to anything "
+                "recorded. " +
+                    twenty + " to decide between the two.");
 }
 
 /// " Backlash of x is not the same everywhere: …"
 std::string variationSentence(const Diagnosis& d) {
   std::string text;
   for (const Variation& v : d.variations) {
-    text += v.along.empty() ? " But " + inWords(v.effect) + " does not have the shape of the model alone: "
-                            : " But " + inWords(v.effect) + " is not the same everywhere: along " + v.along +
-                                  " it differs from its one size by ";
+    text += v.along.empty() ? " But " + inWords(v.effect) + " does not have exactly the shape of its model: "
+                            : " But " + inWords(v.effect) + " is not uniform: along " + v.along +
+                                  " it deviates from a single value by ";
     text += withFactor(expanded(v.rms / unitOf(d.angular), v.std / unitOf(d.angular),
                                 nameOfUnit(d.angular) + " RMS")) +
-            (v.along.empty() ? " are left of it" : "");
+            (v.along.empty() ? " of it remain" : "");
     std::string which = ", which ";  // the likelier first
     const auto formula = [&] {
       if (v.formula.type.empty()) return;
@@ -123,7 +125,11 @@ std::string explainedSentence(const Diagnosis& d) {
   std::string text = drifts ? "No effect and no structure is left but drift"
                             : "Nothing is missing: no effect and no structure is left";
   if (positive(d.noise)) text += (drifts ? " and noise of " : " but noise of ") + noiseWords(d);
-  if (positive(d.base.repeatability)) text += ", at the repeatability of " + repeatabilityWords(d);
+  constexpr double kFar = 5.0;  // times: what was declared is another noise than that of these measurements
+  if (positive(d.base.repeatability))
+    text += (positive(d.noise) && kFar * d.noise < d.base.repeatability ? ", far below the repeatability of "
+                                                                        : ", at the repeatability of ") +
+            repeatabilityWords(d);
   return text + ".";
 }
 
@@ -150,16 +156,16 @@ std::string driftInWords(const Diagnosis& d, const DriftResult& drift) {
 
 std::string driftAdvice(const DriftResult& drift) {
   if (drift.quick)
-    return "measure at positions closer together, and one position twenty times: it follows the position, or "
-           "nothing that is recorded";
+    return "measure at positions closer together, and one position twenty times: the error depends on the "
+           "position, or on something that is not recorded";
   // a quarter of the time constant: between two references the drift then changes by less than its own size
   const std::string every =
       positive(drift.timeConstant) ? "every " + durationInWords(drift.timeConstant / 4.0) : "at intervals";
   if (drift.perhaps.empty())
     return "measure the same reference again " + every +
-           ", or record the temperatures of what carries the probe";
-  return "measure the same places at other temperatures, out of step with time; until then the same "
-         "reference again " +
+           ", or record the temperatures of the parts that carry the probe";
+  return "measure the same places at other temperatures that do not simply rise or fall with time; until "
+         "then, the same reference again " +
          every;
 }
 

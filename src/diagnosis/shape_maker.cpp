@@ -52,7 +52,7 @@ std::string ShapeMaker::notTried(const Effect& effect) const {
   if (effect.nature().positionsNeeded > 0)
     for (const int joint : effect.nature().mustMove)
       if (distinctPositions(problem_, joint) < effect.nature().positionsNeeded)
-        return "too few distinct positions of " + domain_.joints[joint].name + " to tell a period";
+        return "too few distinct positions of " + domain_.joints[joint].name + " to determine a period";
   return "";
 }
 
@@ -162,10 +162,10 @@ std::vector<MadeShape> ShapeMaker::finished(const std::vector<DraftShape>& draft
       made[i].why = drafts[i].why;
     if (made[i].why.empty() &&
         space_.mostInOneObservation(drafts[i].raw.leftCols(drafts[i].parts.front().count)) > kMostOfOne)
-      made[i].why = "one observation alone would show it, and may as well be a bad reading";
+      made[i].why = "only one observation would show it, and that may be a bad reading";
     if (isWave(drafts[i])) {
       if (made[i].why.empty() && !isSeen(drafts[i].raw.leftCols(2), left[at], left[at + 1], left[at + count]))
-        made[i].why = "at the places of this session it has its nodes, or the other unknowns absorb it";
+        made[i].why = "it is zero at the positions of this session, or the other unknowns absorb it";
       at += 1;
     }
     at += count;

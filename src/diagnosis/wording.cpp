@@ -31,8 +31,8 @@ std::string heldOutWords(const Diagnosis& d) {
 /// What was named predicts what it was not fitted to no better than the model without it did.
 std::string noBetterWords(const Diagnosis& d) {
   if (!positive(d.heldOutBefore) || !positive(d.heldOut) || d.heldOut < d.heldOutBefore) return {};
-  return " But measurements that were held out are predicted no better: what was named may hold for this "
-         "session alone.";
+  return " But held-out measurements are not predicted better: the named cause may hold for this session "
+         "only.";
 }
 
 /// Rivals that further data of the same kinds would tell from the named one.
@@ -44,6 +44,27 @@ std::vector<const Confusable*> openRivals(const CandidateResult& c) {
 }
 
 bool isOpen(const CandidateResult& c) { return !openRivals(c).empty(); }
+
+/// "; the listed moves would": whether they separate the named effects from their rivals.
+std::string listedMovesWords(const Diagnosis& d) {
+  if (d.nextMeasurement.empty()) return {};
+  std::vector<EffectSpec> told;
+  bool all = true;
+  int times = 1;
+  for (const CandidateResult& c : d.missing)
+    for (const Confusable* rival : openRivals(c)) {
+      if (rival->repeats == 0) {
+        all = false;
+        continue;
+      }
+      told.push_back(rival->effect);
+      times = std::max(times, rival->repeats);
+    }
+  if (told.empty()) return {};
+  return "; the listed moves" + (d.moveChange.empty() ? "" : ", with " + d.moveChange + ",") + " would" +
+         (times > 1 ? ", measured " + std::to_string(times) + " times" + (all ? "" : ",") : "") +
+         (all ? "" : " separate only " + listInWords(told));
+}
 
 /// Whose it is, where more than one thing was changed and measured again; else nothing.
 std::string whose(const Diagnosis& d, const EffectSpec& effect) {
@@ -94,8 +115,7 @@ std::string missingSentence(const Diagnosis& d) {
   if (open.empty()) return text + (heldOut.empty() ? "" : "; " + heldOut) + "." + noBetterWords(d);
   if (!sure.empty()) text += ". Beside it ";
   text += (sure.empty() ? capital(open) : open) + ": these data do not separate them";
-  if (!d.nextMeasurement.empty())
-    text += "; the listed moves" + (d.moveChange.empty() ? "" : ", with " + d.moveChange + ",") + " would";
+  text += listedMovesWords(d);
   return text + (heldOut.empty() ? "" : ". " + capital(heldOut)) + "." + noBetterWords(d);
 }
 
@@ -236,11 +256,9 @@ std::string nameOf(Verdict verdict) {
 std::string sentenceOf(const Diagnosis& d) {
   switch (d.verdict) {
     case Verdict::kQuestion: {
-      std::string text = "Something must be answered before any cause can be named:";
+      std::string text = "A question must be answered before any cause can be named:";
       for (const Doubt& q : d.questions) text += " " + q.question;
-      return text +
-             " Correct it where the session was written, or in the mapping of its columns, then diagnose "
-             "again.";
+      return text + " Correct the session's file, or the mapping of its columns, then diagnose again.";
     }
     case Verdict::kUnknownEffect:
       return unknownSentence(d) + remarks(d);

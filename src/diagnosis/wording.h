@@ -28,6 +28,8 @@ std::string variablesInWords(const ProfileResult& profile);
 std::string inputInWords(const std::string& input);
 /// By how many standard deviations the proposed moves separate a rival.
 std::string movesInWords(double deviations, std::size_t moves);
+/// How often these moves are to be measured until they separate the rival; 0: no practicable number does.
+int repeatsOfMoves(double deviations, std::size_t moves);
 /// Why a rival cannot be separated, or not excluded; empty where measuring more would separate it.
 std::string whyNotApart(const Confusable& rival);
 

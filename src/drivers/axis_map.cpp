@@ -55,8 +55,8 @@ AxisMap::AxisMap(const ControllerSetup& setup, const std::string& letters) {
     const std::size_t place = letter.size() == 1 ? letters.find(letter[0]) : std::string::npos;
     if (place == std::string::npos)
       throw InputError("joint '" + axis.name + "': '" + letter +
-                       "' is no axis of this controller, which has " + letters +
-                       "; say which with the parameter 'axes', as in x:X y:Y");
+                       "' is not an axis of this controller, which has " + letters +
+                       "; name it in the parameter 'axes', as in x:X y:Y");
     if (std::count(places_.begin(), places_.end(), place) > 0)
       throw InputError("axis " + letter + " of the controller moves two joints, the second is '" + axis.name +
                        "'");
@@ -68,7 +68,7 @@ AxisMap::AxisMap(const ControllerSetup& setup, const std::string& letters) {
     const auto sign = signs.find(axis.name);
     const double side = sign == signs.end() ? 1.0 : valueOf("sign", sign->second);
     if (side != 1.0 && side != -1.0)
-      throw InputError("parameter 'sign' of the controller: that of '" + axis.name + "' must be 1 or -1");
+      throw InputError("parameter 'sign' of the controller: the sign of '" + axis.name + "' must be 1 or -1");
     signs_.push_back(static_cast<int>(side));
     const auto zero = zeros.find(axis.name);
     zeros_.push_back(zero == zeros.end() ? 0.0 : valueOf("zero", zero->second));

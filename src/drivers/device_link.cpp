@@ -185,7 +185,7 @@ void DeviceLink::write(const std::string& bytes) {
                                               MSG_NOSIGNAL | MSG_DONTWAIT)
                                      : ::write(open_->serial->native_handle(), bytes.data(), bytes.size());
   if (sent == static_cast<ssize_t>(bytes.size())) return;
-  throw Error(address_ + ": the device takes no bytes" +
+  throw Error(address_ + ": the device accepts no data" +
               (sent < 0 && errno != EAGAIN ? std::string(": ") + std::strerror(errno) : std::string()));
 }
 

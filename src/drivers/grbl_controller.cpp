@@ -107,7 +107,8 @@ void GrblController::awaitReady(double seconds) {
         if (report_.machine.size() < map_->needed())
           throw InputError(link_->address() + ": the control reports " +
                            std::to_string(report_.machine.size()) + " axes, " +
-                           std::to_string(map_->needed()) + " are needed; is it built for as many?");
+                           std::to_string(map_->needed()) +
+                           " are needed; is its firmware built for that many axes?");
         return requireSettings();
       }
       if (steadySeconds() >= next) {
@@ -119,11 +120,11 @@ void GrblController::awaitReady(double seconds) {
   }
   const std::lock_guard<std::mutex> lock(mutex_);
   std::string why = "no status report came";
-  if (lastReport_ > 0.0) why = "it reports '" + report_.state + "', but does not say its settings ($$)";
-  if (lastReport_ > 0.0 && settings_.count(110) > 0) why = "its reports have no WCO";
+  if (lastReport_ > 0.0) why = "it reports '" + report_.state + "', but does not report its settings ($$)";
+  if (lastReport_ > 0.0 && settings_.count(110) > 0) why = "its status reports contain no WCO";
   if (!trouble_.empty()) why = trouble_;
   throw Error(link_->address() + " does not answer as grbl 1.1 or grblHAL: " + why +
-              "; look at its power, the address and the baud rate");
+              "; check its power supply, the address and the baud rate");
 }
 
 void GrblController::requireSettings() const {
@@ -234,16 +235,17 @@ AxesState GrblController::poll(double) {
   const bool homes = task_ == Task::kHoming;                      // grbl 1.1 does not report meanwhile
   const bool quiet = homes || locked_;
   if (homes && now - taskBegan_ > homingTimeout_) {
-    finish(Outcome::kAlarm, "homing has not ended within its time");
+    finish(Outcome::kAlarm, "homing did not finish in time");
     if (!resetAsked_) endStop();
   } else if (!quiet && now - std::max({lastReport_, connected_, resetAt_.load()}) > silence_) {
     char text[120];
-    std::snprintf(text, sizeof text, ": no status report for %.1f s; look at its power and its cable",
+    std::snprintf(text, sizeof text, ": no status report for %.1f s; check its power supply and its cable",
                   now - std::max(lastReport_, connected_));
     throw Error(link_->address() + text);
   }
   if (resetAsked_ && now - resetAt_ > kUnwelcome)
-    throw Error(link_->address() + ": the control did not answer its reset; look at its power and its cable");
+    throw Error(link_->address() +
+                ": the controller did not respond to a reset; check its power supply and its cable");
   // At rest after a reset nothing is reported for a while; what moves has the time of its reports.
   const bool beginsAnew = now - resetAt_ < silence_ && task_ == Task::kNone;
   if (quiet || beginsAnew) state_.time = std::max(state_.time, now);
@@ -346,9 +348,9 @@ void GrblController::moveOffLimit() {
   for (std::size_t j = 0; j < map_->size(); ++j) {
     if (state_.limitSwitch[j] == 0) continue;
     if (lastDirection_[j] == 0.0 && !homed_[j])
-      throw Error("which of the two switches of " + map_->names()[j] +
-                  " is closed is not known: grbl reports both as one, and the axis was not homed nor moved "
-                  "from here; move it off by hand, then home");
+      throw Error("which of the two limit switches of " + map_->names()[j] +
+                  " is closed is unknown: grbl reports both as one, and the axis has been neither homed nor "
+                  "moved from here; move it off by hand, then home");
     char word[48];
     std::snprintf(word, sizeof word, " %c%.4f", map_->letter(j),
                   -state_.limitSwitch[j] * map_->sign(j) * offLimit_);

@@ -43,7 +43,8 @@ void GrblController::take(const std::string& line, double time) {
     if (understood(line, time)) {
       damaged_ = 0;
     } else if (line.front() != '$' && line.front() != '>' && ++damaged_ >= kLinkDamaged) {  // no echoes
-      trouble_ = "what arrives is no language of grbl (last: '" + line.substr(0, 40) + "')";
+      trouble_ =
+          "received data are not grbl protocol; check the baud rate (last: '" + line.substr(0, 40) + "')";
       for (char& c : trouble_)
         if (static_cast<unsigned char>(c) < ' ' || static_cast<unsigned char>(c) > '~') c = '.';
     }
@@ -148,7 +149,7 @@ void GrblController::takeCondition(const GrblReport& report) {
   }
   if (state_.alarm.present()) return;
   if (report.doorIsOpen())
-    state_.alarm = {0, kDoorText, "close it, then call ~resume, or ~stop to give the motion up"};
+    state_.alarm = {0, kDoorText, "close it, then call ~resume, or ~stop to cancel the motion"};
   else if (report.state == "Alarm" && report.substate > 0)
     takeAlarm(report.substate);
   else if (report.state == "Alarm" && task_ != Task::kHoming)
@@ -236,7 +237,7 @@ void GrblController::takeAnswer(int code) {
   const bool last = inFlight_.empty() && waiting_.empty();
   if (code != 0 && task_ != Task::kNone) {
     const GrblWords words = grblError(code);
-    const std::string text = "the control refused it, error " + std::to_string(code) + ": " + words.text +
+    const std::string text = "the controller rejected it, error " + std::to_string(code) + ": " + words.text +
                              (words.remedy.empty() ? "" : "; " + words.remedy);
     finish(code == kGrblTargetBeyond ? Outcome::kLimit : Outcome::kAlarm, text);
     return;
@@ -343,11 +344,10 @@ Capabilities GrblController::capabilities() const {
   }
   if (hal_ && !can.homingByAxis)
     can.notes.push_back(
-        "single axes cannot be homed ($22 lacks 2): all are homed together, in the control's own order");
+        "single axes cannot be homed ($22 lacks 2): all are homed together, in the controller's own order");
   if (setting(1) < kAlwaysOn)
-    can.notes.push_back(
-        format("the motors are switched off %g ms after a motion ($1); $1=255 keeps them in their place",
-               setting(1)));
+    can.notes.push_back(format(
+        "the motors are switched off %g ms after a motion ($1); $1=255 keeps them powered", setting(1)));
   if (setting(22) == 0.0) can.notes.push_back("homing is not enabled at the control ($22=0)");
   if (setting(21) == 0.0) can.notes.push_back("hard limits are not enabled at the control ($21=0)");
   return can;

@@ -23,9 +23,8 @@ void refuseGoneParameters(const ControllerSetup& setup) {
     if (setup.parameters.count(name) > 0)
       throw InputError(
           "parameter '" + std::string(name) +
-          "' of the linuxcnc controller is of no use: the driver speaks to LinuxCNC through its "
-          "Python module, without linuxcncrsh; remove it, and run the driver on LinuxCNC's computer "
-          "as its user");
+          "' of the linuxcnc controller is not used: the driver talks to LinuxCNC through its Python module, "
+          "without linuxcncrsh; remove it, and run the driver on LinuxCNC's computer as its user");
 }
 
 }  // namespace
@@ -82,8 +81,8 @@ void LinuxCncController::begin() {
                   [&] { return last_ || !trouble_.empty() || !watch_->connected(); });
   if (!trouble_.empty()) throw Error(trouble_);
   if (!last_)
-    throw Error(watch_->connected() ? "LinuxCNC gives no state; does its task run?"
-                                    : "linuxcnc_helper has ended");
+    throw Error(watch_->connected() ? "LinuxCNC reports no state; is its task running?"
+                                    : "linuxcnc_helper has exited");
   const std::string why = unfit(*last_);
   if (!why.empty()) throw InputError(why);
   giveBack_ = holding_ || last_->override == 0.0;  // a hold that nobody is left to end
@@ -97,11 +96,10 @@ std::string LinuxCncController::unfit(const LinuxCncState& first) const {
       return std::string("LinuxCNC has no axis ") + map_->letter(j) + ", which moves joint '" +
              map_->names()[j] + "': see COORDINATES in [TRAJ] of its .ini";
   if (std::abs(first.linear - 1.0) > 1e-9)
-    return "LinuxCNC's machine does not count in mm: set LINEAR_UNITS = mm in [TRAJ] of its .ini, and what "
-           "depends "
-           "on it";
+    return "LinuxCNC's linear unit is not mm: set LINEAR_UNITS = mm in [TRAJ] of its .ini, and the settings "
+           "that depend on it";
   if (std::abs(first.angular - 1.0) > 1e-9)
-    return "LinuxCNC's machine does not turn in degrees: set ANGULAR_UNITS = degree in [TRAJ] of its .ini";
+    return "LinuxCNC's angular unit is not degrees: set ANGULAR_UNITS = degree in [TRAJ] of its .ini";
   return {};
 }
 
@@ -147,11 +145,11 @@ AxesState LinuxCncController::poll(double) {
   for (const DeviceLink* link : {watch_.get(), act_.get()})
     if (!link->connected()) throw Error(link->lost().empty() ? "not connected" : link->lost());
   if (emergency && now - emergencySince_ > kStopRefused)
-    throw Error("LinuxCNC does not go into its emergency stop; use the machine's own");
+    throw Error("LinuxCNC does not enter its emergency stop; press the machine's emergency stop button");
   if (!last_) throw Error("LinuxCNC has given no state yet");
   if (now - last_->time > silence_) {
     char text[96];
-    std::snprintf(text, sizeof text, "LinuxCNC has given no state for %.1f s; does it still run?",
+    std::snprintf(text, sizeof text, "LinuxCNC has reported no state for %.1f s; is it still running?",
                   now - last_->time);
     throw Error(text);
   }

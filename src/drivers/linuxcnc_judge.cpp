@@ -180,17 +180,18 @@ void LinuxCncController::judge(const LinuxCncState& now) {
       {offExplained && !onLimit.empty(), Outcome::kLimit, "LinuxCNC: " + onLimit},
       {offExplained, Outcome::kStopped, "LinuxCNC's machine was switched off"},
       {off || !ended || state_.held, Outcome::kUnderWay, {}},
-      {now.lapses != lapses_, Outcome::kStopped, "this driver gave no sign of life, and was stopped"},
+      {now.lapses != lapses_, Outcome::kStopped,
+       "the driver's heartbeat was missing, so the axes were stopped"},
       {homed, Outcome::kReached, {}},
       {homing && !error_.empty(), Outcome::kAlarm, words},
-      {homing && late, Outcome::kAlarm, "homing has not ended within its time"},
+      {homing && late, Outcome::kAlarm, "homing did not finish in time"},
       {homing, Outcome::kUnderWay, {}},
       {probing && now.tripped, Outcome::kTripped, {}},
       {arrived(now), Outcome::kReached, {}},
       {!probing && now.probe && openSeen_, Outcome::kTripped, {}},
       {limit, Outcome::kLimit, words},
       {!error_.empty(), Outcome::kAlarm, words},
-      {true, Outcome::kStopped, "LinuxCNC ended it on its way; was it stopped at its panel?"},
+      {true, Outcome::kStopped, "LinuxCNC ended the motion before its target; was it stopped at the panel?"},
   };
   for (const auto& ending : endings) {
     if (!ending.holds) continue;

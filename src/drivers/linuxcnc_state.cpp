@@ -14,13 +14,13 @@ constexpr std::size_t kPlaces = 6;  // X Y Z A B C
 
 std::vector<double> placesOf(const json& line, const char* key) {
   const auto values = line.at(key).get<std::vector<double>>();
-  if (values.size() != kPlaces) throw Error(std::string(key) + " has not 6 values");
+  if (values.size() != kPlaces) throw Error(std::string(key) + " does not have 6 values");
   return values;
 }
 
 // Not a number that is cut to one.
 std::int64_t wholeOf(const json& value) {
-  if (!value.is_number_integer()) throw Error("'" + value.dump() + "' is no whole number");
+  if (!value.is_number_integer()) throw Error("'" + value.dump() + "' is not a whole number");
   return value.get<std::int64_t>();
 }
 
@@ -69,7 +69,7 @@ LinuxCncLine parseLinuxCncLine(const std::string& text) {
       line.state = stateOf(parsed);
     }
   } catch (const std::exception& e) {  // of the JSON, or of a value in it
-    throw Error("what arrives is no line of linuxcnc_helper: " + std::string(e.what()));
+    throw Error("received data are not from linuxcnc_helper: " + std::string(e.what()));
   }
   return line;
 }

@@ -67,7 +67,8 @@ void ModbusTemperatures::add(const std::string& name, SensorKeys& keys) {
   Sensor sensor;
   const std::string address = keys.text("modbus", address_);
   if (!(parseModbusLine(address) == settings_))
-    keys.refuse("its line " + address + " is " + address_ + " for another sensor; one line has one setting");
+    keys.refuse("its line " + address + " is " + address_ +
+                " for another sensor; all sensors of a serial line share one setting");
   sensor.unit = keys.wholeNumber("unit", 1, 1, 247);
   sensor.input = keys.word("function", "holding", {"holding", "input"}) == "input";
   const std::string type = keys.word("type", "int16", {"int16", "uint16", "int32", "float32"});
@@ -83,7 +84,7 @@ void ModbusTemperatures::add(const std::string& name, SensorKeys& keys) {
   if (keys.has("timeout")) {
     if (timeoutGiven_ && timeout != timeout_)
       keys.refuse("its line has a timeout of " + format("%g", timeout_) +
-                  " s for another sensor; say it once");
+                  " s for another sensor; give one value for the line");
     timeoutGiven_ = true;
     timeout_ = timeout;
   }

@@ -64,7 +64,7 @@ void MotionControl::withDevice(const std::function<void()>& call) const {
       device_, Clock::now() + std::chrono::duration_cast<Clock::duration>(silence));
   if (!lock.owns_lock())
     throw Error("the controller has not answered for " + shortSeconds(settings_.silence) +
-                "; only stop and emergency stop reach it now");
+                "; only stop and emergency stop are sent to it");
   call();
 }
 
@@ -162,7 +162,7 @@ void MotionControl::stop(const std::string& who) {
   changed_.notify_all();
   std::unique_lock<std::mutex> lock(mutex_);
   if (awaitRest(lock, settings_.restTimeout)) return;
-  throw Error("stop was sent, but whether the axes rest is not known" +
+  throw Error("stop was sent, but it is unknown whether the axes have stopped" +
               (lost_.empty() ? std::string() : ": " + lost_) + "; use the emergency stop");
 }
 

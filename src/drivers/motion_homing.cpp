@@ -21,7 +21,7 @@ std::vector<std::vector<std::size_t>> MotionControl::stagesOf(const std::vector<
     stages.emplace_back();
     for (const std::string& name : stage) {
       const std::size_t j = index(name);
-      if (listed[j]) throw InputError("joint '" + name + "' stands twice in the order of homing");
+      if (listed[j]) throw InputError("joint '" + name + "' appears twice in the homing order");
       listed[j] = true;
       if (std::count(wanted.begin(), wanted.end(), j) > 0) stages.back().push_back(j);
     }
@@ -72,7 +72,7 @@ void MotionControl::awaitHoming(const std::vector<std::size_t>& stage, std::uint
   std::string why;
   while (why.empty()) {
     changed_.wait_for(lock, std::chrono::milliseconds(20));
-    if (ending_) throw Error("the driver ends");
+    if (ending_) throw Error("the driver is shutting down");
     const double age = owing();
     if (stops_ != stopsSeen)
       why = "stopped by " + stoppedBy();
@@ -95,7 +95,7 @@ void MotionControl::awaitHoming(const std::vector<std::size_t>& stage, std::uint
     return;
   if (why.empty()) why = faultText();
   if (why.empty()) why = state_.note;
-  if (why.empty()) why = "the controller stopped on the way";
+  if (why.empty()) why = "the controller stopped before the end";
   lock.unlock();
   sendStop();
   lock.lock();
@@ -123,7 +123,7 @@ void MotionControl::moveOffLimit(const Mover& mover) {
         return ending_ || stops_ != stopsSeen || !lost_.empty() || current_->forced != Outcome::kUnderWay ||
                (states_ > first && !state_.moving);
       }))
-    throw Error("the axes did not come off the limit within 60 s");
+    throw Error("the axes did not leave the limit switch within 60 s");
   if (stops_ != stopsSeen) throw Error("stopped by " + stoppedBy());
   if (!lost_.empty()) throw Error(faultText());
   if (current_->forced != Outcome::kUnderWay) throw Error(current_->why);

@@ -12,7 +12,7 @@ namespace mm {
 // An alarm is no reason: homing or the way off a limit may be what ends it.
 void MotionControl::requireAnswering(std::uint32_t stopsSeen) const {
   if (stopping_ > 0) throw Error("a stop is under way; wait until the axes rest");
-  if (leaving_) throw Error("the driver ends");
+  if (leaving_) throw Error("the driver is shutting down");
   if (!lost_.empty() || !forbidden_.empty() || emergency() || state_.emergencyStop) throw Error(faultText());
   if (stops_ != stopsSeen) throw Error("stopped by " + stoppedBy());
   // Another motion's stop has not come through yet, or somebody moves them at the control.
@@ -55,14 +55,14 @@ MotionControl::Report MotionControl::move(AxesMotion motion, const Mover& mover,
   if (stops_ != stopsSeen) sendStop();
   std::unique_lock<std::mutex> lock(mutex_);
   const bool cancelled = awaitEnd(lock, stopsSeen, watch);
-  if (!current_ || ending_) throw Error("the driver ends");
+  if (!current_ || ending_) throw Error("the driver is shutting down");
   if (cancelled || current_->forced != Outcome::kUnderWay) {
     lock.unlock();
     sendStop();
     lock.lock();
     const bool rests = awaitRest(lock, settings_.restTimeout);
     if (!rests && current_)
-      current_->why += "; whether the axes rest is not known" + (lost_.empty() ? "" : ": " + lost_);
+      current_->why += "; it is unknown whether the axes have stopped" + (lost_.empty() ? "" : ": " + lost_);
   }
   if (current_) {
     const Outcome end = current_->forced == Outcome::kUnderWay ? state_.outcome : current_->forced;
@@ -145,11 +145,10 @@ MotionControl::Report MotionControl::judge(const Current& current, bool cancelle
     report.outcome = Outcome::kAlarm;
     char text[200];
     const double unit = turns ? kDegree : kMillimetre;
-    std::snprintf(text, sizeof text,
-                  "%s rests %.6g %s beside its target of %.6g, beyond the tolerance of %.3g; the motion is "
-                  "not counted as done",
-                  axes_[j].c_str(), away / unit, turns ? "deg" : "mm", current.motion.target[j] / unit,
-                  tolerance / unit);
+    const char* const name = turns ? "deg" : "mm";
+    std::snprintf(text, sizeof text, "%s stopped %.6g %s from its target %.6g %s (tolerance %.3g %s)",
+                  axes_[j].c_str(), away / unit, name, current.motion.target[j] / unit, name,
+                  tolerance / unit, name);
     report.message = text;
     break;
   }

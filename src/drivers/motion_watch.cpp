@@ -175,7 +175,8 @@ bool MotionControl::awaitSettled(const AxesState& state, const std::string& why)
 
 std::string MotionControl::pauseWords(const Observation&) {
   if (settings_.simulatedTime || pause_ <= settings_.silence) return {};
-  return "the driver stood still for " + shortSeconds(pause_) + ", in which nobody watched the motion";
+  return "the driver was suspended for " + shortSeconds(pause_) +
+         ", during which the motion was not monitored";
 }
 
 std::string MotionControl::leaseWords(const Observation&) { return owner_.lapse(); }
@@ -186,7 +187,7 @@ std::string MotionControl::lateWords(const Observation& seen) {
   const double behind = clock_.late() + seen.state.timeUncertainty;
   if (settings_.simulatedTime || current_->homing || behind <= settings_.late) return {};
   return "the controller's states arrive " + shortSeconds(behind) +
-         " late, so that the motion cannot be watched";
+         " late, so the motion cannot be monitored";
 }
 
 void MotionControl::take(const AxesState& state, double host) {
@@ -237,8 +238,9 @@ void MotionControl::takeSurface(const AxesState& state) {
 std::string MotionControl::switchWords() const {
   if (!probe_.complaint().empty() || unsuccessful_ < settings_.silentMoves) return probe_.complaint();
   return "the probe does not trigger: " + std::to_string(unsuccessful_) +
-         " probing moves in a row ended without a contact; look at the stylus, the cable, and where the "
-         "artifact is";
+         " consecutive probing moves ended without a contact; check the stylus, the cable and the position "
+         "of "
+         "the artifact";
 }
 
 std::string MotionControl::tripWords(const Current& current) const {
@@ -296,8 +298,8 @@ std::string MotionControl::stuckWords(const Current& current) const {
       gone > kDeeper ? 0.0 : beyond(JointKind::kRotary, settings_.rotaryEscape, kTurnedDeeper);
   if (!(way > 0.0) && !(turn > 0.0)) return {};
   return format(
-      "the probe stayed closed for %.3g %s of the way; it sticks, or the way leads into something. All axes "
-      "were stopped",
+      "the probe stayed closed over %.3g %s of travel; it sticks, or there is an obstacle. All axes were "
+      "stopped",
       way > 0.0 ? way / kMillimetre : turn / kDegree, way > 0.0 ? "mm" : "deg");
 }
 

@@ -41,7 +41,7 @@ void ProbeDebounce::settle(double time, std::vector<ProbeEdge>& trips) {
     complaint_.clear();
   } else {
     ++jolts_;
-    complaint_ = "the probe opened again at once: a jolt, or a loose contact; no contact was published";
+    complaint_ = "the probe opened again at once: a shock or a loose connection; no contact was published";
   }
   pending_.reset();
   settled_ = true;
@@ -54,8 +54,7 @@ void ProbeDebounce::watchLevel(const AxesState& state, bool probing) {
     closedSince_ = state.time;
   if (closedSince_ && state.time - *closedSince_ >= settings_.stuck)
     complaint_ =
-        "the probe is stuck: its switch stays closed outside of a probing move; look at the stylus and the "
-        "cable";
+        "the probe is stuck: its switch stays closed outside a probing move; check the stylus and the cable";
 }
 
 }  // namespace mm

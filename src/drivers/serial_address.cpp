@@ -48,7 +48,7 @@ bool isSerialAddress(const std::string& address) {
 
 SerialAddress parseSerialAddress(const std::string& address, bool withBits, const std::string& form) {
   const std::string where = "address '" + address + "'";
-  if (!isSerialAddress(address)) throw InputError(where + " is no serial line; write " + form);
+  if (!isSerialAddress(address)) throw InputError(where + " is not a serial line; write " + form);
   SerialAddress line;
   std::string rest = address[0] == '/' ? address : address.substr(std::strlen(kPrefix));
   if (rest.empty() || rest[0] != '/')
@@ -74,7 +74,7 @@ SerialAddress parseSerialAddress(const std::string& address, bool withBits, cons
                          " (baud); behind a path that ends so, write the speed too");
       cutLast(rest);
     } else if (!line.bits.empty()) {
-      throw InputError(where + " has bits, but no speed before them; write " + form);
+      throw InputError(where + " has a frame format but no baud rate before it; write " + form);
     }
   }
   line.device = rest;

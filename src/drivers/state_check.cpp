@@ -23,7 +23,7 @@ std::string StateCheck::sizes(const AxesState& state) const {
   const std::size_t axes = joints_.size();
   const auto wrong = [&](const char* what, std::size_t size) {
     return "the controller gives " + std::to_string(size) + " " + what + " for " + std::to_string(axes) +
-           " axes; is it the controller of this machine?";
+           " axes; does it belong to this machine?";
   };
   if (state.position.size() != axes) return wrong("positions", state.position.size());
   if (state.velocity.size() != axes && !state.velocity.empty())
@@ -62,8 +62,8 @@ std::string StateCheck::complaint(const AxesState& state) {
       if (std::abs(way) <= reach) continue;
       const double unit = turns ? kDegree : kMillimetre;
       std::snprintf(text, sizeof text,
-                    "the position of %s jumped by %.6g %s within %.3g s, which its speed does not allow; its "
-                    "zero is in doubt, home again",
+                    "the position of %s jumped by %.6g %s within %.3g s, faster than its speed allows; its "
+                    "zero is uncertain, home again",
                     joints_[j].name.c_str(), way / unit, turns ? "deg" : "mm", gone);
       jumped_ = true;
       return text;

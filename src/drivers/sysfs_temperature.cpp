@@ -18,7 +18,7 @@ constexpr std::size_t kLongestNumber = 64;  // characters
 
 /// A file of the kernel with one number. @throw InputError naming it.
 double numberIn(const fs::path& file) {
-  const std::string text = readWholeFile(file, "look at the sensor and its driver");
+  const std::string text = readWholeFile(file, "check the sensor and its driver");
   const std::optional<double> value = parseSysfsNumber(text);
   if (!value) {
     std::string shown;
@@ -102,8 +102,7 @@ double SysfsTemperatures::readOne(const Sensor& sensor) const {
   const fs::path folder = folderOf(sensor);
   if (sensor.kind == Kind::kHwmon) {
     const std::optional<double> fault = numberIfThere(folder / (sensor.channel + "_fault"));
-    if (fault && *fault != 0.0)
-      throw InputError("its driver says that it is broken (" + sensor.channel + "_fault)");
+    if (fault && *fault != 0.0) throw InputError("its driver reports a fault (" + sensor.channel + "_fault)");
     return kMilli * numberIn(folder / (sensor.channel + "_input"));
   }
   const std::string channel = "in_" + sensor.channel;

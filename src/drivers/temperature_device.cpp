@@ -53,7 +53,7 @@ std::string SensorKeys::word(const std::string& key, const std::string& standard
 void SensorKeys::finish() const {
   for (const auto& [key, value] : setup_.keys)
     if (std::find(asked_.begin(), asked_.end(), key) == asked_.end())
-      refuse("'" + key + "' is not known here" + didYouMean(key, asked_));
+      refuse("'" + key + "' is unknown" + didYouMean(key, asked_));
 }
 
 std::vector<std::unique_ptr<TemperatureDevice>> makeTemperatureDevices(
@@ -64,10 +64,10 @@ std::vector<std::unique_ptr<TemperatureDevice>> makeTemperatureDevices(
   for (const TemperatureSetup& setup : sensors) {
     SensorKeys keys(setup);
     if (setup.name.empty()) throw InputError("a sensor has no name");
-    if (!names.insert(setup.name).second) keys.refuse("is there twice; give each a name of its own");
+    if (!names.insert(setup.name).second) keys.refuse("appears twice; give each sensor its own name");
     int ways = 0;
     for (const char* way : {"hwmon", "iio", "file", "modbus"}) ways += keys.has(way) ? 1 : 0;
-    if (ways != 1) keys.refuse("say where it is by one of hwmon, iio, file, modbus");
+    if (ways != 1) keys.refuse("give its source: hwmon, iio, file or modbus");
     if (!keys.has("modbus")) {
       files->add(setup.name, keys);
     } else {

@@ -78,8 +78,8 @@ void TemperatureTrust::doubt(Doubt doubt, std::string why) {
 
 void TemperatureTrust::judge(double value, double time) {
   if (value < kColdest || value > kHottest) {
-    doubt(Doubt::kNoTemperature, format("reads %.1f degC, which no sensor of a machine can (%.0f to %.0f)",
-                                        value, kColdest, kHottest));
+    doubt(Doubt::kNoTemperature,
+          format("reads %.1f degC, which is implausible (%.0f to %.0f)", value, kColdest, kHottest));
     jumped_ = believed_ && settings_.fastest > 0.0;
     return;
   }
@@ -91,7 +91,8 @@ void TemperatureTrust::judge(double value, double time) {
   } else if (jumped_ || (believed_ && settings_.fastest > 0.0 &&
                          std::abs(away) > kRipple + settings_.fastest * silence)) {
     if (jump_.empty())
-      jump_ = (jumped_ ? format("reads %.2f degC after nonsense, %.1f K from what it was before", value, away)
+      jump_ = (jumped_ ? format("reads %.2f degC after implausible values, %.1f K from its value before them",
+                                value, away)
                        : format("jumped by %.1f K in %.1f s (~fastest is %g K/s) to %.2f degC", away, silence,
                                 settings_.fastest, value)) +
               format(

@@ -6,6 +6,7 @@
 #include "base/format.h"
 #include "base/nearest_name.h"
 #include "effects/inputs.h"
+#include "effects/iso230_symbol.h"
 #include "effects/registry.h"
 
 namespace mm {
@@ -15,7 +16,7 @@ using Kind = KeyUse::Kind;
 
 /// A machine with every kind of input.
 Domain exampleDomain() {
-  Domain d = domainOverTravel(Machine::load("five_axis"));
+  Domain d = domainOverTravel(Machine::load(kExampleMachine));
   d.sensors = {"bed", "frame"};
   d.sensorLower = {19.0, 20.0};
   d.sensorUpper = {26.0, 24.0};
@@ -148,7 +149,7 @@ std::vector<std::string> needsOf(const Inputs& in) {
   return needs;
 }
 
-CatalogueEntry entryOf(const EffectType& type, const Domain& domain) {
+CatalogueEntry entryOf(const EffectType& type, const Domain& domain, const ErrorSymbols& symbols) {
   CatalogueEntry entry;
   entry.type = type.type;
   entry.composite = type.composite;
@@ -157,6 +158,7 @@ CatalogueEntry entryOf(const EffectType& type, const Domain& domain) {
   if (examples.empty()) return entry;
   const Effect& first = *examples.front().effect;
   entry.example = first.spec().yaml();
+  entry.iso230 = symbols.of(first.spec());
   entry.parameters = parametersOf(examples);
   try {
     entry.needs = needsOf(inputsOf(first, domain));
@@ -173,8 +175,9 @@ CatalogueEntry entryOf(const EffectType& type, const Domain& domain) {
 
 std::vector<CatalogueEntry> effectCatalogue() {
   const Domain domain = exampleDomain();
+  const ErrorSymbols symbols(Machine::load(kExampleMachine));
   std::vector<CatalogueEntry> entries;
-  for (const EffectType& type : effectRegistry()) entries.push_back(entryOf(type, domain));
+  for (const EffectType& type : effectRegistry()) entries.push_back(entryOf(type, domain, symbols));
   return entries;
 }
 

@@ -19,11 +19,15 @@ struct CatalogueParameter {
   std::string name, unit, rotaryUnit;  // empty: it does not act there
 };
 
+/// The machine of the examples, which has linear and rotary joints.
+inline constexpr const char* kExampleMachine = "five_axis";
+
 /// One type of effect, as a user needs to know it.
 struct CatalogueEntry {
   std::string type;
   bool composite = false;  // never a candidate of a diagnosis
   std::string example;     // one line of YAML that is valid on the example machine; empty: none was found
+  std::string iso230;      // symbol of the example there; empty: it has none
   std::vector<CatalogueKey> keys;
   std::vector<CatalogueParameter> parameters;
   std::vector<std::string> needs;  // recorded inputs on which it depends: "position", "temperature" …

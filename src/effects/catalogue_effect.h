@@ -31,7 +31,10 @@ class CatalogueEffect : public Effect {
   std::string shownBy() const override { return wordsOf(spec(), "shown_by", variant_, words_); }
 
  protected:
-  CatalogueEffect(const SpecReader& read, Stage stage) : layout_(read.layout()) { nature_.stage = stage; }
+  CatalogueEffect(const SpecReader& read, Stage stage)
+      : layout_(read.layout()), variant_(read.ofRotaryAxis() ? "of a rotary axis" : "") {
+    nature_.stage = stage;
+  }
   CatalogueEffect(const SpecReader& read, const Direction& direction)
       : CatalogueEffect(read, stageOf(direction)) {}
 

@@ -103,6 +103,19 @@ std::vector<std::string> typesInWords() {
   return types;
 }
 
+std::string meaningOf(const EffectSpec& effect, const std::string& parameter) {
+  const YAML::Node ofType = words()[effect.type];
+  if (!ofType || !ofType["parameters"]) return {};
+  std::set<std::string> used;
+  for (const auto& entry : ofType["parameters"]) {
+    const auto name = entry.first.as<std::string>();
+    const bool any = name.back() == '*';
+    if (any ? parameter.compare(0, name.size() - 1, name, 0, name.size() - 1) == 0 : parameter == name)
+      return filled(entry.second.as<std::string>(), effect, used);
+  }
+  return {};
+}
+
 std::string wordsOf(const EffectSpec& effect, const std::string& what, const std::string& variant,
                     const std::map<std::string, std::string>& more) {
   const YAML::Node own = words()[effect.type + " " + variant], ofType = words()[effect.type];

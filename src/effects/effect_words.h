@@ -17,6 +17,10 @@ std::string listInWords(const std::vector<EffectSpec>& effects, std::size_t show
 /// The types of words.yaml, in its order, which is that of the catalogue.
 std::vector<std::string> typesInWords();
 
+/// What a parameter of an effect is: "difference between the two directions of travel (reversal value)";
+/// empty: words.yaml does not say, as of a plugin's.
+std::string meaningOf(const EffectSpec& effect, const std::string& parameter);
+
 /// What words.yaml says of an effect. @param what "cause", "remedy" or "shown_by".
 /// @param variant of its words, where its law chose one. @param more words that its law gives, by name.
 std::string wordsOf(const EffectSpec& effect, const std::string& what, const std::string& variant,

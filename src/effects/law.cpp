@@ -11,7 +11,7 @@ class LawEffect final : public CatalogueEffect {
   LawEffect(const SpecReader& read, Law law) : CatalogueEffect(read, law.nature.stage), law_(std::move(law)) {
     nature_ = law_.nature;
     parameters_ = law_.parameters;
-    variant_ = law_.variant;
+    if (!law_.variant.empty()) variant_ = law_.variant;
     words_ = law_.words;
     if (law_.starts.empty()) return;
     nature_.linear = false;

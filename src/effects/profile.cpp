@@ -112,7 +112,7 @@ class ProfileLaw {
       const auto& known = variables_.names();
       const auto at = std::find(known.begin(), known.end(), name);
       if (at == known.end())
-        read.fail("'" + name + "' is no recorded variable; there are: " + listOf(known) +
+        read.fail("'" + name + "' is not a recorded variable; available: " + listOf(known) +
                   didYouMean(name, known));
       Variable v;
       v.index = static_cast<int>(at - known.begin());

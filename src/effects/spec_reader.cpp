@@ -39,6 +39,11 @@ SpecReader::SpecReader(const EffectSpec& spec, const Domain& domain, std::vector
   }
 }
 
+bool SpecReader::ofRotaryAxis() const {
+  const int joint = domain_.findJoint(spec_.text("axis"));
+  return joint >= 0 && jointAt(joint).kind == JointKind::kRotary;
+}
+
 EffectSpec SpecReader::canonical() const {
   EffectSpec ordered(read_.type);
   for (const std::string& key : allowed_)
@@ -111,8 +116,8 @@ Direction SpecReader::direction(const std::string& key, bool approachAllowed) {
     for (const std::string& axis : axes)
       if (domain_.findJoint(axis) < 0) known.push_back(axis);
     if (approachAllowed) known.emplace_back("approach");
-    fail(key + " '" + name + "' is no joint and no axis of the workpiece; there are: " + listOf(known) +
-         didYouMean(name, known));
+    fail(key + " '" + name + "' is neither a joint nor an axis of the workpiece; available: " +
+         listOf(known) + didYouMean(name, known));
   }
   read_.set(key, name);
   return {Direction::Kind::kWorkpiece, static_cast<int>(found - axes.begin()), name, JointKind::kLinear};
@@ -145,7 +150,7 @@ std::pair<int, int> SpecReader::sensorPair(const std::string& key) {
   for (int i = 0; i < 2; ++i) {
     index[i] = domain_.findSensor(value->items[i]);
     if (index[i] < 0)
-      fail(key + ": '" + value->items[i] + "' is no temperature sensor of the session; there are: " +
+      fail(key + ": '" + value->items[i] + "' is not a temperature sensor of the session; available: " +
            listOf(domain_.sensors) + didYouMean(value->items[i], domain_.sensors));
   }
   read_.setList(key, value->items);
@@ -167,7 +172,7 @@ std::vector<int> SpecReader::sensorList(const std::string& key) {
   for (const std::string& name : value->items) {
     const int index = domain_.findSensor(name);
     if (index < 0)
-      fail(key + ": '" + name + "' is no temperature sensor of the session; there are: " +
+      fail(key + ": '" + name + "' is not a temperature sensor of the session; available: " +
            listOf(domain_.sensors) + didYouMean(name, domain_.sensors));
     if (std::find(sensors.begin(), sensors.end(), index) != sensors.end())
       fail(key + ": '" + name + "' is listed twice; keep one");

@@ -46,6 +46,8 @@ class SpecReader {
   const Domain& domain() const { return domain_; }  ///< in which names are looked up
   /// Of the domain. @param index of joint() or a direction.
   const Joint& jointAt(int index) const { return domain_.joints[static_cast<std::size_t>(index)]; }
+  /// Whether the effect is one of a rotary axis: its key `axis` names a rotary joint.
+  bool ofRotaryAxis() const;
   ErrorLayout layout() const {
     return ErrorLayout(static_cast<int>(domain_.joints.size()));
   }  ///< of its slots

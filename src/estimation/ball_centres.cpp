@@ -37,7 +37,8 @@ std::vector<Posture> posturesOf(const Session& session) {
     if (at.kind != ObservationKind::kContact ||
         session.artifact.features[at.feature].kind != FeatureKind::kBall)
       throw InputError(session.source + ": " + session.rowText(at.row, at.recording) +
-                       " is no contact with a ball; the two steps of LASER need contacts with balls only");
+                       " is not a contact with a ball; --two-steps (Fei et al.) needs contacts with balls "
+                       "only");
     Posture* mine = nullptr;
     for (Posture& p : postures)
       if (const Observation& first = session.observations[p.contacts[0]];
@@ -69,7 +70,7 @@ void moveTo(const Session& session, const Model& model, const Eigen::VectorXd& x
   if (linear.size() < 3)
     throw InputError(
         "machine '" + session.machine.name() +
-        "' has less than three linear joints: the two steps of LASER need them; leave --two-steps out");
+        "' has fewer than three linear joints, which --two-steps (Fei et al.) needs; omit --two-steps");
   Model::Workspace work;
   for (int step = 0; step < 3; ++step) {
     State state = like;
@@ -110,7 +111,7 @@ Session centresWith(const Session& session, const std::vector<Posture>& postures
     if (posture.contacts.size() < kFewest)
       throw InputError(session.source + ": " + nameOf(session, posture) + " has " +
                        std::to_string(posture.contacts.size()) +
-                       " contacts; a centre of its own needs four: measure more, or leave --two-steps out");
+                       " contacts; a centre of its own needs four: measure more, or omit --two-steps");
     std::vector<Eigen::Vector3d> points;
     double reading = 0.0, time = 0.0;
     for (const std::size_t o : posture.contacts) {

@@ -42,7 +42,7 @@ std::string inWordsOf(const Problem& problem, const LostDirection& lost) {
     for (const auto& d : lost.direction)
       if (std::abs(d.second) > kSaid) big.push_back(d);
   std::sort(big.begin(), big.end(), [](auto& a, auto& b) { return a.first < b.first; });
-  if (big.empty()) return "no single parameter is concerned";
+  if (big.empty()) return "no single parameter is affected";
   if (big.size() == 1) return displayName(problem, big[0].first) + " has no influence on these data";
   std::string names;
   for (std::size_t i = 0; i < big.size(); ++i)
@@ -62,15 +62,16 @@ bool measured(const Problem& problem, ObservationKind kind) {
 std::string wouldShowOf(const Problem& problem, int unknown, bool byConvention) {
   const Unknown& u = problem.unknowns()[unknown];
   if (u.kind == UnknownKind::kSetup)
-    return "an instrument with a zero of its own shows differences only, so one value is a convention; a "
-           "position known absolutely (columns reference_) would fix it";
+    return "an instrument with an arbitrary zero shows differences only, so one value is a convention; an "
+           "absolutely known position (columns reference_) would fix it";
   if (u.kind == UnknownKind::kEffect && !byConvention) return problem.model().effects()[u.owner]->shownBy();
   if (u.kind == UnknownKind::kEffect) {
     if (measured(problem, ObservationKind::kContact))
       return "a ball at a known position, or a reference direction, would separate them";
     if (measured(problem, ObservationKind::kPosition))
       return "a point at a known position in workpiece, or a reference direction, would separate them";
-    return "a position known absolutely (columns reference_), or deviations of the other axes too, would "
+    return "an absolutely known position (columns reference_), or deviations of the other axes as well, "
+           "would "
            "separate them";
   }
   const bool point =
@@ -81,10 +82,10 @@ std::string wouldShowOf(const Problem& problem, int unknown, bool byConvention) 
     return o.kind == ObservationKind::kContact && o.feature == u.owner;
   };
   if (point && std::none_of(all.begin(), all.end(), touches))
-    return "lengths to tips that are not on one plane, and farther apart";
+    return "lengths to tip positions that are not on one plane, and farther apart";
   if (point) return "the point reached from more directions, or with other readings of the joints";
   if (u.kind == UnknownKind::kPose && !measured(problem, ObservationKind::kContact))
-    return "positions of three points or more that are not on one line";
+    return "three or more points that are not on one line";
   return "contacts spread over more of the ball, or over more balls";
 }
 

@@ -114,9 +114,10 @@ class Learner {
       for (const std::string& name : listed->items) {
         sensors_.push_back(domain_.findSensor(name));
         if (!varies(sensors_.back()))
-          throw InputError("effect " + spec_.yaml() + ": temperature " + name +
-                           " does not vary in this session, so nothing can be learned from it; check the "
-                           "sensor, or leave it out");
+          throw InputError(
+              "effect " + spec_.yaml() + ": temperature " + name +
+              " does not vary in this session, so the network cannot be trained on it; check the sensor, or "
+              "omit it");
       }
       return;
     }
@@ -163,8 +164,8 @@ class Learner {
     }
     if (static_cast<int>(rows.size()) < kFewestSets)
       throw InputError("effect " + spec_.yaml() + ": its temperatures are known in " +
-                       std::to_string(rows.size()) + " sets of measurements only; at least " +
-                       std::to_string(kFewestSets) + " are needed to learn from");
+                       std::to_string(rows.size()) + " sets of measurements only; training needs at least " +
+                       std::to_string(kFewestSets));
     const Eigen::MatrixXd known = rowsOf(samples_.temperatures, rows);
     inputs_.resize(known.rows(), static_cast<Eigen::Index>(sensors_.size()));
     for (std::size_t i = 0; i < sensors_.size(); ++i)
@@ -338,7 +339,7 @@ UpdatedNetworks updateNetworks(const CalibrationResult& held) {
       const double gain = held.x[model.offset(static_cast<int>(e))];
       if (!(std::abs(gain) > kSmallestGain))
         throw InputError("effect " + learned.effect + ": its gain is " + std::to_string(gain) +
-                         ", so the network says next to nothing; calibrate again");
+                         ", so the network has almost no effect; calibrate again");
       const NetworkSamples samples = gatherNetworkSamples(
           at, held.residuals, held.weight, model.domain().findJoint(spec.text("axis")), learned.positions);
       Eigen::MatrixXd x(samples.temperatures.rows(), static_cast<Eigen::Index>(learned.sensors.size()));

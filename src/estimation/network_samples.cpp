@@ -155,8 +155,8 @@ NetworkSamples gatherNetworkSamples(const Linearisation& at, const Eigen::Vector
   const std::string name = domain.joints[static_cast<std::size_t>(axis)].name;
   const std::vector<Evidence> evidence = evidenceOf(at, residuals, weight, axis);
   if (evidence.empty())
-    throw InputError(problem.session().source + ": thermal_network: nothing in the session tells of axis " +
-                     name + "; measure it, or leave the effect out");
+    throw InputError(problem.session().source + ": thermal_network: the session has no measurement of axis " +
+                     name + "; measure it, or omit the effect");
   NetworkSamples samples;
   std::vector<Set> sets;
   const int fewest = wanted.empty() ? kFewestSets : 1;
@@ -171,11 +171,11 @@ NetworkSamples gatherNetworkSamples(const Linearisation& at, const Eigen::Vector
   if (count < fewest && !wanted.empty())
     throw InputError(problem.session().source + ": thermal_network: no set of measurements of axis " + name +
                      " holds all " + std::to_string(wanted.size()) +
-                     " positions that the network was learned at; measure them again");
+                     " positions at which the network was trained; measure them again");
   if (count < fewest)
     throw InputError(problem.session().source + ": thermal_network: " + std::to_string(count) +
                      (count == 1 ? " set" : " sets") + " of measurements of axis " + name + "; at least " +
-                     std::to_string(kFewestSets) + " at different temperatures are needed to learn from");
+                     std::to_string(kFewestSets) + " at different temperatures are needed for training");
   const auto outputs = static_cast<Eigen::Index>(samples.positions.size());
   const auto sensors = static_cast<Eigen::Index>(domain.sensors.size());
   samples.temperatures.setZero(count, sensors);

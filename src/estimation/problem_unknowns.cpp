@@ -83,7 +83,7 @@ void Problem::findUsable() {
                          missingTemperature(one, state(o), p, work) + " there (" + e->shownBy() +
                          "); log it, or leave the effect out");
   }
-  throw InputError(where + "the model's value is not a number");
+  throw InputError(where + "the value of the model is not a number");
 }
 
 void Problem::addRows() {

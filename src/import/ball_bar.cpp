@@ -36,7 +36,7 @@ class BallBarReader {
   bool readPlane() {
     std::string plane = lower(table_.said({"plane", "ebene"}, "plane"));
     if (plane.empty()) {
-      context_.refuse("the plane of the circle is not said; write into the mapping (--columns): plane: xy");
+      context_.refuse("the plane of the circle is not stated; add to the mapping (--columns): plane: xy");
       return false;
     }
     for (const auto& [other, name] : {std::pair("g17", "xy"), std::pair("g18", "zx"), std::pair("g19", "yz"),
@@ -50,7 +50,7 @@ class BallBarReader {
     if (linear(plane_[0]) && linear(plane_[1]) && plane_[0] != plane_[1]) return true;
     context_.refuse(
         "plane '" + plane +
-        "' is not of two linear joints of this machine; write into the mapping (--columns): plane: xy");
+        "' is not a plane of two linear joints of this machine; add to the mapping (--columns): plane: xy");
     return false;
   }
 
@@ -59,7 +59,7 @@ class BallBarReader {
     if (!table_.number({"radius", "nominal radius", "bar length", "ballbar length", "length"}, "radius_mm",
                        UnitKind::kLength, "mm", radius_) &&
         context_.faults.count() == before)
-      context_.refuse("the nominal radius is not said; write into the mapping (--columns): radius_mm: 100");
+      context_.refuse("the nominal radius is not stated; add to the mapping (--columns): radius_mm: 100");
     if (context_.faults.count() == before && radius_ <= 0.0)
       context_.refuse("the nominal radius must be above 0");
     if (table_.number({"feed", "feedrate", "feed rate", "vorschub"}, "feed_mm_min", UnitKind::kSpeed,
@@ -72,7 +72,7 @@ class BallBarReader {
             {"centre", "center", "circle centre", "circle center", "centre position", "mittelpunkt"},
             "centre_mm", plane_, centre_))
       context_.refuse(
-          "where the circle was, as the machine reads it at its centre, is not said; write into the mapping "
+          "the position of the circle (machine reading at its centre) is not stated; add to the mapping "
           "(--columns): centre_mm: [0, 0, 0]");
     return context_.faults.count() == before;
   }
@@ -86,7 +86,7 @@ class BallBarReader {
     table_.number({"start angle", "start"}, "start_deg", UnitKind::kAngle, "deg", start);
     if (radius < 0 || (angle < 0 && (time < 0 || feed_ <= 0.0))) {
       table_.refuseHead(
-          "a ball bar's rows need an angle, or a time and the feed, and a radius or its deviation; name the "
+          "ball bar data need an angle, or a time and the feed, and a radius or its deviation; name the "
           "columns angle [deg] and deviation [um]");
       return;
     }
@@ -140,8 +140,8 @@ class BallBarReader {
     if (std::abs(mean - radius_) < 0.05 * radius_) return true;
     if (std::abs(mean) > 0.05 * radius_ && context_.faults.empty())
       table_.refuseHead(
-          format("the radii are about %.4g mm, neither near the nominal %.4g mm nor deviations from it; is "
-                 "the unit right?",
+          format("the radii are about %.4g mm, which is neither close to the nominal %.4g mm nor a deviation "
+                 "from it; is the unit right?",
                  mean / kMillimetre, radius_ / kMillimetre));
     return false;
   }
@@ -186,10 +186,10 @@ class BallBarReader {
         format("nominal radius %.6g mm, plane %s%s", radius_ / kMillimetre,
                context_.machine.joints()[plane_[0]].name.c_str(),
                context_.machine.joints()[plane_[1]].name.c_str()) +
-        (feed_ > 0.0 ? format(", feed %.6g mm/min", feed_ / kMillimetre * 60.0) : ", feed not said"));
+        (feed_ > 0.0 ? format(", feed %.6g mm/min", feed_ / kMillimetre * 60.0) : ", feed not stated"));
     context_.note(
-        "each row is a contact with the ball 'centre' of the nominal radius; its centre is free, and where "
-        "the bar was not calibrated its radius is, too ({type: ball_radius, ball: centre})");
+        "each row is a contact with the ball 'centre' of the nominal radius; its centre is free, and if the "
+        "bar was not calibrated so is its radius ({type: ball_radius, ball: centre})");
     if (seen_) context_.note("direction of the circle from the order of the angles");
   }
 

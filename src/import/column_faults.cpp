@@ -7,7 +7,7 @@
 namespace mm {
 namespace {
 
-const std::string kIntoMapping = "write into the mapping (--columns): columns: {";
+const std::string kIntoMapping = "add to the mapping (--columns): columns: {";
 
 }  // namespace
 

@@ -22,7 +22,7 @@ class ColumnFaults {
   std::string called(std::size_t column) const;
   /// The key of a column in the mapping.
   std::string key(std::size_t column) const;
-  /// "write into the mapping (--columns): columns: {key: as}"; where several columns need one, the last fault
+  /// "add to the mapping (--columns): columns: {key: as}"; where several columns need one, the last fault
   /// has all of them in one line, as a file holds the key once.
   std::string remedy(std::size_t column, const std::string& as) const;
   /// Whether a key of the mapping means this column: by its name in any case, or by its number.

@@ -62,7 +62,7 @@ class TableUnderstander {
       headed_ = false;
       if (context_.axis < 0)
         faults_.add(mapping_.source + ":" + std::to_string(mapping_.lines.at("axis")) + ": axis: '" + said +
-                    "' is no joint of machine '" + machine_.name() + "' (" + joints() + ")");
+                    "' is not a joint of machine '" + machine_.name() + "' (" + joints() + ")");
     }
     if (context_.axis < 0 && machine_.jointCount() == 1) context_.axis = 0;
   }
@@ -114,8 +114,9 @@ class TableUnderstander {
                                       [&](const std::string& word) { return jointOf(machine_, word) >= 0; });
       if (!joints || isLabels(i)) continue;
       faults_.add(i, "holds " + joined({s.words.begin(), s.words.end()}, ", ") +
-                         ": each row is one coordinate; write a row a point, with a column a coordinate "
-                         "(x_mm, y_mm, z_mm and feature, or reference_x_mm …), or a file an axis");
+                         ": each row is one coordinate; write one row per point with one column per "
+                         "coordinate (x_mm, y_mm, z_mm and feature, or reference_x_mm …), or one file per "
+                         "axis");
       return true;
     }
     return false;
@@ -130,7 +131,7 @@ class TableUnderstander {
       all += (i > 0 ? ", " : "") + std::to_string(i + 1) + ": " + (joint.empty() ? "ignore" : joint + "_mm");
     }
     faults_.add(faults_.place() + "no line names the " + std::to_string(layout_.names.size()) +
-                " columns; write into the mapping (--columns) what they hold, e.g. columns: {" + all +
+                " columns; add their contents to the mapping (--columns), e.g. columns: {" + all +
                 "}, or put a line of names above the rows");
   }
 
@@ -148,7 +149,7 @@ class TableUnderstander {
     c.header = layout_.names[i];
     c.role = CsvRole::kIgnored;
     if (as == "ignore" || (as.empty() && mapping_.ignoreOthers && !mapping_.columns.empty()))
-      seen.meaning = "left out: the mapping says so";
+      seen.meaning = "ignored by the mapping";
     else
       understand(i, as, c, seen);
     table_.form.columns.push_back(std::move(c));
@@ -229,15 +230,15 @@ class TableUnderstander {
                            (asked.unit                         ? asked.unit->symbol
                             : joint.kind == JointKind::kLinear ? "um"
                                                                : "arcsec");
-    return "is an error or a difference, and whether it is indicated minus true (VIM) or actual minus target "
-           "(ISO 230-2) is not said; " +
+    return "is an error or a difference, but whether it is indicated minus true (VIM) or actual minus target "
+           "(ISO 230-2) is not stated; " +
            faults_.remedy(asked.column, "error_" + of) + " for the first, deviation_" + of +
            " for the second" + (meaning.needsAxis ? " (joints: " + joints() + ")" : "");
   }
   std::string noJoint(const Asked& asked, const Meaning& meaning) const {
-    return "does not say of which joint it is (" + joints() +
-           "); for all such columns write axis: " + machine_.joints().front().name +
-           " into the mapping (--columns), or for this one " +
+    return "does not name its joint (" + joints() +
+           "); for all such columns add axis: " + machine_.joints().front().name +
+           " to the mapping (--columns), or for this one " +
            faults_.remedy(asked.column, exampleOf(meaning, machine_));
   }
 
@@ -286,7 +287,7 @@ class TableUnderstander {
     const std::string plain = joined(wordsOf(splitUnit(name).stem), "_");
     std::string as = !near.empty() ? near : "ignore", or_ = "";
     if (near.empty())
-      or_ = ", or say what it holds (joints: " + joints() + "; " + plain + "_<unit> of anything else)";
+      or_ = ", or state what it contains (joints: " + joints() + "; " + plain + "_<unit> of anything else)";
     const bool measured = names_.classesOf(wordsOf(name)).first.count(WordClass::kMeasured) > 0;
     const bool small = unit && unit->ofAGauge();
     if (near.empty() && !measured && small && context_.axis >= 0) {
@@ -361,7 +362,7 @@ class TableUnderstander {
     const auto before = taken_.emplace(what, i);
     if (!before.second) {
       faults_.add(i, "and column " + faults_.called(before.first->second) + " are both understood as " +
-                         what + "; " + faults_.remedy(i, "ignore") + ", or say what else it holds");
+                         what + "; " + faults_.remedy(i, "ignore") + ", or state what else it contains");
       c.role = CsvRole::kIgnored;
       return;
     }

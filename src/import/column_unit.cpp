@@ -77,8 +77,8 @@ void slashed(std::size_t i, const ColumnSample& s, const ColumnMapping& mapping,
                "', but must be month_first or day_first");
   else if (order.empty() && s.monthFirst == s.dayFirst)
     faults.add(i, "has dates as " + s.first +
-                      ", and whether the month or the day comes first cannot be seen; write into the mapping "
-                      "(--columns): date: month_first (or day_first)");
+                      ", and the order of month and day is ambiguous; add to the mapping (--columns): date: "
+                      "month_first (or day_first)");
   const bool month = order.empty() ? s.monthFirst : order == "month_first";
   time.form = month ? TimeForm::kMonthFirst : TimeForm::kDayFirst;
   time.unit = month ? "calendar, month first" : "calendar, day first";
@@ -142,7 +142,7 @@ std::optional<Unit> unitOfColumn(const ColumnPlace& place, const Meaning& m, con
     return unit;
   }
   faults.add(column, "(" + meaningText(m, machine) + format(", %.6g … %.6g", sample.lower, sample.upper) +
-                         ") has no unit, and its values do not tell; " +
+                         ") has no unit, and its values do not reveal it; " +
                          faults.remedy(column, exampleOf(m, machine)) +
                          " (or another unit: " + unitsOf(*m.kind) + ")");
   return std::nullopt;

@@ -18,11 +18,12 @@ class GaugeReader {
     const std::string axis = table_.said({"axis", "achse", "line", "measuring line", "orientation"}, "axis");
     const int joint = jointOf(context_.machine, axis);
     if (!axis.empty() && joint < 0) {
-      context_.refuse("the gauge stood along '" + axis +
-                      "', which is no joint of this machine: a length across several axes needs a pose of "
-                      "its own for each placement, and a session has one artifact with one pose; import the "
-                      "placements along single axes (axis: " +
-                      context_.machine.joints().front().name + "), or measure balls");
+      context_.refuse(
+          "the gauge was aligned along '" + axis +
+          "', which is not a joint of this machine: a length across several axes needs a separate pose for "
+          "each placement, but a session has one artifact with one pose; import the placements along single "
+          "axes (axis: " +
+          context_.machine.joints().front().name + "), or measure balls");
       return;
     }
     if (table_.joint(axis, "axis") < 0) return;
@@ -41,8 +42,8 @@ class GaugeReader {
                      origin_))
       return true;
     context_.refuse(
-        "where the gauge began, as the machine reads it at the first face, is not said; write into the "
-        "mapping (--columns): position_mm: [0, 0, 0]");
+        "the position of the gauge (machine reading at its first face) is not stated; add to the mapping "
+        "(--columns): position_mm: [0, 0, 0]");
     return false;
   }
 
@@ -54,8 +55,8 @@ class GaugeReader {
     const int label = placement == calibrated || placement == indicated ? -1 : placement;
     if (calibrated < 0 || (indicated < 0 && error < 0)) {
       table_.refuseHead(
-          "a gauge's rows need the calibrated length and the indicated one (or the error of indication); "
-          "name the columns calibrated [mm] and indicated [mm]");
+          "gauge data need the calibrated and the indicated length (or the error of indication); name the "
+          "columns calibrated [mm] and indicated [mm]");
       return;
     }
     table_.show(calibrated, "calibrated length", "");
@@ -83,8 +84,9 @@ class GaugeReader {
     if (!context_.faults.empty()) return;
     if (!begun.empty())
       context_.note(
-          "lengths count from the first face, which is a row of its own with deviation 0; each placement or "
-          "bar has an unknown zero of its own, so its lengths count and not where it stood");
+          "lengths count from the first face, which is a separate row with deviation 0; each placement or "
+          "bar "
+          "has its own unknown zero, so its lengths are used but not its position");
     context_.note("deviation = calibrated minus indicated length (true minus indicated)");
     finishImport(context_, std::move(session));
   }

@@ -90,15 +90,16 @@ std::string padded(const std::string& text, std::size_t width) {
 
 const std::vector<ImportFormat>& importFormats() {
   static const std::vector<ImportFormat> kFormats = {
-      {"tpoint", "pointing of a mount, TPoint data file", isTPoint, readTPoint},
-      {"klipper", "touches of a bed: PROBE_ACCURACY, probe at x,y, saved mesh", isKlipperLog, readKlipperLog},
-      {"marlin", "touches of a bed: G29, G30, M48", isMarlinLog, readMarlinLog},
+      {"tpoint", "pointing data of a telescope mount, TPoint data file", isTPoint, readTPoint},
+      {"klipper", "bed probing of a printer: PROBE_ACCURACY, probe at x,y, saved mesh", isKlipperLog,
+       readKlipperLog},
+      {"marlin", "bed probing of a printer: G29, G30, M48", isMarlinLog, readMarlinLog},
       {"ballbar", "circles of a ball bar, ISO 230-4", isBallBar, readBallBar},
-      {"r-test", "rotary axes about a ball, dx, dy, dz", isRTest, readRTest},
+      {"r-test", "R-test of rotary axes with a ball, dx, dy, dz", isRTest, readRTest},
       {"step-gauge", "step gauge or length bars along one axis, ISO 10360-2", isGaugeLengths,
        readGaugeLengths},
-      {"iso230-2", "targets by runs, ISO 230-2", isPositioningTable, readPositioningTable},
-      {"table", "one row a measurement, columns by name", [](const TextFile&) { return true; }, readAnyTable},
+      {"iso230-2", "targets and runs, ISO 230-2", isPositioningTable, readPositioningTable},
+      {"table", "one measurement per row, named columns", [](const TextFile&) { return true; }, readAnyTable},
   };
   return kFormats;
 }

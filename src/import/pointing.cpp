@@ -66,8 +66,8 @@ class TPointReader {
     for (int j = 0; j < machine.jointCount(); ++j)
       if (machine.joints()[j].kind == JointKind::kRotary) rotary.push_back(j);
     if (rotary.size() != 2 || machine.jointCount() != 2) {
-      context_.refuse("a pointing file is of a mount of two rotary joints and nothing else; machine '" +
-                      machine.name() + "' has others; give the mount's URDF with --machine");
+      context_.refuse("a pointing file needs a mount with two rotary joints and no others; machine '" +
+                      machine.name() + "' has other joints; give the mount's URDF with --machine");
       return false;
     }
     if (const auto said = numbersIn(context_.mapping.setting("sign")); said.size() >= 2) {
@@ -85,8 +85,8 @@ class TPointReader {
     constexpr double kUpright = 0.5;
     if (std::abs(first.z()) < kUpright) {
       context_.refuse("the first joint '" + machine.joints()[0].name +
-                      "' does not stand upright in the URDF, so the sense of its angle is not seen; write "
-                      "into the mapping (--columns): sign: [-1, 1]");
+                      "' is not vertical in the URDF, so the sense of its angle is unknown; add to the "
+                      "mapping (--columns): sign: [-1, 1]");
       return false;
     }
     const double up = first.z() > 0.0 ? 1.0 : -1.0;
@@ -129,9 +129,9 @@ class TPointReader {
   void equatorial(std::string_view line, const std::vector<double>& v, std::size_t n, Session& session) {
     if (context_.mapping.setting("mount") != "equatorial") {
       context_.refuse(
-          "the stars are in right ascension and declination; whether these are observed places (with "
-          "refraction) of an equatorial mount is not in the file; if they are, write into the mapping "
-          "(--columns): mount: equatorial; else give azimuths and elevations");
+          "the stars are in right ascension and declination; the file does not state whether these are "
+          "observed places (with refraction) of an equatorial mount; if they are, add to the mapping "
+          "(--columns): mount: equatorial; otherwise give azimuths and elevations");
       return;
     }
     const std::vector<std::string_view> words = wordsIn(line);

@@ -109,7 +109,7 @@ class PositioningReader {
     else if (runs > 0)
       byTargets();
     else
-      table_.refuseHead("no column is a run; name them by number and direction: 1+, 1-, 2+, 2-");
+      table_.refuseHead("no column is a run; name the runs by number and direction: 1+, 1-, 2+, 2-");
     return context_.faults.empty();
   }
 
@@ -136,7 +136,7 @@ class PositioningReader {
     for (std::size_t i = 1; i < names.size(); ++i) {
       const auto run = runOf(names[i]);
       if (!run) {
-        context_.note("column '" + names[i] + "' is no run and was left out");
+        context_.note("column '" + names[i] + "' is not a run and was ignored");
         continue;
       }
       table_.show(static_cast<int>(i), "run " + std::to_string(run->number) + directionText(*run), "");
@@ -160,7 +160,7 @@ class PositioningReader {
           cells_.push_back({target, value, run, row.line});
       }
     }
-    context_.note("a column a target, a row a run");
+    context_.note("one column per target, one row per run");
   }
 
   static std::string directionText(const Run& run) {
@@ -189,7 +189,7 @@ class PositioningReader {
     const auto targets = parseUnit(unitOfTargets(), kind_);
     if (!targets) {
       context_.refuse("the targets are in '" + unitOfTargets() + "', but they are " + unitsOf(kind_) +
-                      "; write the unit behind the name: Target [" + (linear_ ? "mm]" : "deg]"));
+                      "; write the unit after the name: Target [" + (linear_ ? "mm]" : "deg]"));
       return false;
     }
     targetUnit_ = targets->factor;
@@ -214,8 +214,8 @@ class PositioningReader {
     const auto unit = parseUnit(said, kind_);
     if (!unit) {
       context_.refuse("the unit of the deviations " +
-                      (said.empty() ? std::string("is not said") : "is '" + said + "'") +
-                      "; write into the mapping (--columns): unit: " + (linear_ ? "um" : "arcsec"));
+                      (said.empty() ? std::string("is not stated") : "is '" + said + "'") +
+                      "; add to the mapping (--columns): unit: " + (linear_ ? "um" : "arcsec"));
       return false;
     }
     valueUnit_ = unit->factor;
@@ -243,8 +243,8 @@ class PositioningReader {
       session.observations.push_back(std::move(o));
     }
     context_.note(
-        "no times: the order of ISO 230-2, run by run, upwards then downwards, a second a target; the "
-        "instrument's zero is one unknown of the setup");
+        "no times: rows are ordered as in ISO 230-2, run by run, upwards then downwards, one second per "
+        "target; the instrument's zero is an unknown of the setup");
     finishImport(context_, std::move(session));
   }
 

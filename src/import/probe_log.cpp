@@ -168,12 +168,12 @@ class BedSession {
     y_ = jointOf(machine, "y");
     z_ = jointOf(machine, "z");
     if (x_ < 0 || y_ < 0 || z_ < 0) {
-      context_.refuse("a bed's touches need a machine with joints x, y and z; '" + machine.name() +
-                      "' has not all of them");
+      context_.refuse("bed probing needs a machine with joints x, y and z; '" + machine.name() +
+                      "' lacks at least one");
       return;
     }
     if (touches_.empty()) {
-      context_.refuse("no touch of the bed is in it");
+      context_.refuse("it contains no probing of the bed");
       return;
     }
     const std::string surface = context_.mapping.setting("surface");
@@ -200,16 +200,16 @@ class BedSession {
         std::count_if(counts.begin(), counts.end(), [](const auto& c) { return c.second > 1; });
     if (again > 0) {
       context_.note(
-          format("%zu places of the bed, %ld of them touched again; the form of the bed is not known, so "
-                 "each place has an unknown height of its own: repeatability and drift are seen, not the "
-                 "machine's geometry (surface: flat, if the bed is a reference)",
+          format("%zu points on the bed, %ld of them probed again; the form of the bed is unknown, so each "
+                 "point has its own unknown height: the data show repeatability and drift, not the geometry "
+                 "of the machine (surface: flat, if the bed is a reference)",
                  counts.size(), static_cast<long>(again)));
       return true;
     }
     context_.refuse(
-        format("%zu places of the bed, each touched once: what is the bed's form and what the machine's "
-               "error cannot be told apart; if the bed is a flat reference (a glass or granite plate), write "
-               "into the mapping (--columns): surface: flat; else touch places again",
+        format("%zu points on the bed, each probed once: the form of the bed cannot be separated from the "
+               "error of the machine; if the bed is a flat reference (a glass or granite plate), add to the "
+               "mapping (--columns): surface: flat; otherwise probe points repeatedly",
                counts.size()));
     return false;
   }
@@ -248,13 +248,13 @@ class BedSession {
       session.observations.push_back(std::move(o));
     }
     context_.imported.columns.push_back(
-        {"z at the trigger", "with its sign changed the deviation of z from the bed", "mm", heights.lower,
+        {"z at the trigger", "with opposite sign, the deviation of z from the bed", "mm", heights.lower,
          heights.upper, format("%.6g", touches_.front().z), ""});
     if (flat)
       context_.note(
-          "the bed is taken as flat, its height as unknown: its tilt shows as squareness of z to x and y, "
-          "its form as straightness");
-    if (!stamped) context_.note("no times: the order of the touches, a second apart");
+          "the bed is assumed flat, with unknown height: its tilt appears as squareness of z to x and y, its "
+          "form as straightness");
+    if (!stamped) context_.note("no times: rows are taken in the order of probing, one second apart");
     finishImport(context_, std::move(session));
   }
 
@@ -282,8 +282,8 @@ void readKlipperLog(ImportContext& context) {
   if (touches.empty()) touches = savedMesh(context.file);
   if (touches.empty()) {
     context.refuse(
-        "the heights of a mesh are in it, but not the places where they were probed; give the log of the "
-        "calibration (`probe at x,y is z=`), or printer.cfg with the saved mesh");
+        "it contains the heights of a mesh but not the probed positions; give the log of the calibration "
+        "(`probe at x,y is z=`), or printer.cfg with the saved mesh");
     return;
   }
   context.imported.how = std::to_string(touches.size()) + " touches of the bed by Klipper";
@@ -301,8 +301,8 @@ void readMarlinLog(ImportContext& context) {
     const std::vector<double> place = numbersIn(context.mapping.setting("position_mm"));
     if (place.size() < 2) {
       context.refuse(
-          "where M48 probed is not in the log (no line `M48 … X Y`); write into the mapping (--columns): "
-          "position_mm: [100, 100]");
+          "the log does not contain the position of M48 (no line `M48 … X Y`); add to the mapping "
+          "(--columns): position_mm: [100, 100]");
       return;
     }
     for (Touch& t : touches)

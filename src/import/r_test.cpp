@@ -27,14 +27,13 @@ class RTestReader {
     }
     if (rotary == 0) {
       context_.refuse(
-          "no column is a rotary joint of this machine; an R-test turns one (name it as the machine does, "
+          "no column is a rotary joint of this machine; an R-test needs one (name it as the machine does, "
           "e.g. b [deg])");
       return;
     }
     for (const char* words : {"dx deltax", "dy deltay", "dz deltaz"}) d_.push_back(table_.column(words));
     if (*std::min_element(d_.begin(), d_.end()) < 0) {
-      table_.refuseHead(
-          "an R-test's rows need all of dx, dy and dz; name the columns so, with their unit: dx [um]");
+      table_.refuseHead("R-test data need dx, dy and dz; name the columns with their unit: dx [um]");
       return;
     }
     for (std::size_t j = 0; j < joints.size(); ++j)
@@ -76,8 +75,8 @@ class RTestReader {
     if (!context_.faults.empty() || tips.empty() || !stays(tips)) return;
     session.artifact.features[0].position = tips.front();
     context_.note(
-        "each row says where the tip was against one ball whose place is free; the readings are those at "
-        "which it would have been on the ball");
+        "each row gives the tip position relative to one ball whose position is free; the readings are those "
+        "at which the tip would have been at the ball");
     finishImport(context_, std::move(session));
   }
 
@@ -104,8 +103,9 @@ class RTestReader {
     for (const auto& tip : tips) farthest = std::max(farthest, (tip - tips.front()).norm());
     if (farthest < kNear) return true;
     context_.refuse(format(
-        "the nominal machine does not hold the tip at one place: it moves %.4g mm between the rows (at most "
-        "2 mm can be); are the linear joints (columns x, y, z) in the file, and is the URDF that machine?",
+        "on the nominal machine the tip does not stay at one position: it moves %.4g mm between the rows (at "
+        "most 2 mm is allowed); does the file contain the linear joints (columns x, y, z), and is the URDF "
+        "that of this machine?",
         farthest / kMillimetre));
     return false;
   }

@@ -24,7 +24,8 @@ RecordTable::RecordTable(ImportContext& context)
     else
       between_[line] = {key, value};
   }
-  if (layout_.firstRow == 0) throw InputError(context.file.path().string() + ": there is no row of numbers");
+  if (layout_.firstRow == 0)
+    throw InputError(context.file.path().string() + ": it contains no row of numbers");
   eachRow(context.file, layout_, [&](std::size_t n, std::string_view line, Cells& cells) {
     if (cells.empty()) return context.refuse(n, "a quote is not closed, or text follows it");
     while (!cells.empty() && cells.back().empty()) cells.pop_back();
@@ -38,7 +39,7 @@ RecordTable::RecordTable(ImportContext& context)
         key.find_first_not_of("+-.0123456789") != std::string::npos)
       between_[n] = {key, value};
     else if (!numbers || sumsUp(cells))
-      context.note("line " + std::to_string(n) + " is no row and was left out: '" +
+      context.note("line " + std::to_string(n) + " is not a data row and was skipped: '" +
                    std::string(trim(line).substr(0, 60)) + "'");
     else
       rows_.push_back({n, {cells.begin(), cells.end()}});
@@ -73,7 +74,7 @@ bool RecordTable::number(const std::vector<std::string>& keys, const std::string
   const auto read = parseUnit(!behind.empty() ? behind : !said.unitText.empty() ? said.unitText : unit, kind);
   if (!read || (!parseNumber(digits, false, value) && !parseNumber(digits, true, value))) {
     context_.refuse("'" + said.key + "' is '" + said.text + "', but must be " + unitsOf(kind) +
-                    "; write into the mapping (--columns): " + mapped + ": <number>");
+                    "; add to the mapping (--columns): " + mapped + ": <number>");
     return false;
   }
   value *= read->factor;
@@ -118,7 +119,7 @@ double RecordTable::value(const Row& row, int column, UnitKind kind, std::string
   if (!unit) {
     refuseHead("column '" + name + (unitText.empty() ? "' has no unit" : "' is in '" + unitText + "'") +
                ", but it is " + unitsOf(kind) +
-               "; write the unit behind the name in brackets, or into the mapping (--columns): unit: " +
+               "; write the unit in brackets after the name, or add to the mapping (--columns): unit: " +
                (kind == UnitKind::kLength ? "um" : "deg"));
     return kNotMeasured;
   }
@@ -135,8 +136,8 @@ int RecordTable::joint(const std::string& name, const std::string& key) {
   if (j < 0)
     context_.refuse(
         key + " " +
-        (name.empty() ? std::string("is not said") : "'" + name + "' is no joint of this machine") + " (" +
-        jointNames(context_.machine) + "); write into the mapping (--columns): " + key + ": " +
+        (name.empty() ? std::string("is not stated") : "'" + name + "' is not a joint of this machine") +
+        " (" + jointNames(context_.machine) + "); add to the mapping (--columns): " + key + ": " +
         context_.machine.joints().front().name);
   return j;
 }
@@ -160,7 +161,7 @@ void RecordTable::refuseHead(const std::string& what) const {
 
 bool RecordTable::bringsArtifact(const std::string& instrument, const std::string& of) const {
   if (context_.artifact == nullptr) return true;
-  context_.refuse(instrument + " brings its own artifact (" + of + "); leave --artifact out");
+  context_.refuse(instrument + " defines its own artifact (" + of + "); omit --artifact");
   return false;
 }
 

@@ -33,11 +33,12 @@ void seeMarkByTravels(ImportContext& context, TableLayout& layout) {
   layout.decimalComma = comma;
   const UnclearNumber u = layout.marks.unclear.front();
   layout.marks.unclear.clear();
-  context.note("line " + std::to_string(u.line) + ": '" + u.cell + "' is taken with " +
-               (comma ? "a decimal comma" : "thousands set apart by a comma") +
-               ", as only so the readings are within the travels; if that is wrong, write into the mapping "
-               "(--columns): decimal: " +
-               (comma ? "point" : "comma"));
+  context.note(
+      "line " + std::to_string(u.line) + ": '" + u.cell + "' is taken with " +
+      (comma ? "a decimal comma" : "thousands set apart by a comma") +
+      ", because only then are the readings within the travels; if that is wrong, add to the mapping "
+      "(--columns): decimal: " +
+      (comma ? "point" : "comma"));
 }
 
 }  // namespace

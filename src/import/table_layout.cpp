@@ -68,8 +68,7 @@ class LayoutFinder {
   }
 
   TableLayout find() {
-    if (lines_.empty())
-      throw InputError(file_.path().string() + ": holds remarks only, no row of measurements");
+    if (lines_.empty()) throw InputError(file_.path().string() + ": contains remarks only, no measurements");
     findSeparator();
     findRows();
     findHeader();
@@ -111,8 +110,8 @@ class LayoutFinder {
     }
     if (best == 0.0)
       throw InputError(file_.place(lines_.front().number) +
-                       "no table is seen: the lines have one cell each; separate columns with commas, "
-                       "semicolons, tabs or blanks");
+                       "no table found: each line has one cell; separate columns with commas, semicolons, "
+                       "tabs or blanks");
   }
 
   bool isRow(const Line& line) const {
@@ -300,7 +299,7 @@ void refuseUnclear(const TextFile& file, const TableLayout& layout, const Unclea
   if (!parseNumber(u.cell, !comma, grouped)) parseWithUnit(u.cell, !comma, grouped, unit);
   const std::string is = layout.decimalComma ? "comma" : "point";
   const std::string other = layout.decimalComma ? "point" : "comma";
-  const std::string write = "write into the mapping (--columns): decimal: " + is;
+  const std::string write = "add to the mapping (--columns): decimal: " + is;
   faults.add(file.place(u.line) + "column '" + layout.names[u.column] + "': whether '" + u.cell + "' is " +
              format("%.6g or %.6g", decimal, grouped) + " cannot be seen" +
              (layout.marks.proven

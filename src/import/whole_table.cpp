@@ -34,7 +34,7 @@ std::string guessed(const TableLayout& layout, const std::vector<ColumnSample>& 
     const auto unit = parseUnit(split.unitText.empty() ? layout.units[i] : split.unitText, UnitKind::kLength);
     if (samples[i].numbers > 0 && unit && (best == layout.names.size() || unit->factor < least.factor))
       best = i, least = *unit;
-    const bool note = table.columns[i].meaning == "left out: a note";
+    const bool note = table.columns[i].meaning == "ignored: a note";
     if (note) continue;
     last = i;
     if (samples[i].numbers == 0 && samples[i].texts > 0) words = i;
@@ -52,12 +52,12 @@ void onlyFeature(const TableLayout& layout, const std::vector<ColumnSample>& sam
                  const Artifact* artifact, UnderstoodTable& table, ColumnFaults& faults) {
   if (artifact != nullptr && artifact->features.size() == 1) {
     table.form.onlyFeature = 0;
-    table.notes.push_back("no column says what was touched: '" + artifact->features.front().name +
+    table.notes.push_back("no column names the feature: '" + artifact->features.front().name +
                           "', the only one of the artifact");
     return;
   }
   faults.add(faults.place() +
-             "no column says what was measured: a ball (feature), a true position (reference_x_mm), a length "
+             "no column holds a measurement: a ball (feature), a true position (reference_x_mm), a length "
              "(length_mm) or a deviation (deviation_x_um); " +
              guessed(layout, samples, machine, table, faults) +
              (artifact == nullptr ? ", or give an --artifact of one ball" : ""));
@@ -182,7 +182,7 @@ void completeTable(const TextFile& file, const TableLayout& layout, const std::v
   settleRedundant(file, layout, table, machine, faults);
   if (hasAny(table, {CsvRole::kFeature}) && artifact == nullptr)
     faults.add(faults.place() +
-               "the file names what was touched; give an artifact that says what these are, with --artifact");
+               "the file names features; give the artifact that defines them, with --artifact");
   if (!hasAny(table, {CsvRole::kFeature, CsvRole::kReference, CsvRole::kDeviation, CsvRole::kMeasured}))
     onlyFeature(layout, samples, machine, artifact, table, faults);
   if (!hasAny(table, {CsvRole::kPosition}) && faults.empty() && table.form.fixed.empty())
@@ -190,7 +190,7 @@ void completeTable(const TextFile& file, const TableLayout& layout, const std::v
                "); name one in the mapping (--columns): columns: {" + faults.key(0) + ": " +
                machine.joints().front().name + "_mm}");
   if (!hasAny(table, {CsvRole::kTime, CsvRole::kDate}))
-    table.notes.push_back("no column of times: rows are taken in their order, a second apart");
+    table.notes.push_back("no time column: rows are taken in their order, one second apart");
 }
 
 }  // namespace mm

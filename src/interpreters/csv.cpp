@@ -111,7 +111,7 @@ void readComponent(const std::filesystem::path& file, std::vector<ChainJoint>& c
   const std::string letter(1, static_cast<char>(std::tolower(name[2])));
   const auto joint = std::find_if(chain.begin(), chain.end(),
                                   [&](const ChainJoint& of) { return of.name == letter && !of.rotary; });
-  if (joint == chain.end()) refuse({file, 0}, "joint '" + letter + "' is no linear one of chain.csv");
+  if (joint == chain.end()) refuse({file, 0}, "joint '" + letter + "' is not a linear joint of chain.csv");
   const TextTable table = csvTable(file);
   const std::string unit = coordinate < 3 ? "um" : "urad";
   const bool twoWays = table.names.cells.size() == 3;

@@ -46,7 +46,7 @@ ExternalOffsets::ExternalOffsets(const std::filesystem::path& file) {
   try {
     const auto json = nlohmann::json::parse(readWholeFile(file, "export the calibration again"));
     if (json.at("format") != kOffsetFormat || json.at("version") != 1)
-      refuseOffsets(file, "is no file of external offsets of version 1, the one that is read here");
+      refuseOffsets(file, "is not a file of external offsets of version 1, the supported version");
     letters_ = json.at("axes").get<std::vector<std::string>>();
     positions_ = byAxis(json.at("positions_mm"), "positions_mm", 0, kFarthestPosition);
     for (const std::vector<double>& at : positions_) {
@@ -65,7 +65,7 @@ ExternalOffsets::ExternalOffsets(const std::filesystem::path& file) {
            byAxis(json.at("offset_mm_per_K").at(name), "offset_mm_per_K", points, kMostOffset)});
     }
   } catch (const nlohmann::json::exception& e) {
-    refuseOffsets(file, std::string("is no file of external offsets (") + e.what() + ")");
+    refuseOffsets(file, std::string("is not a file of external offsets (") + e.what() + ")");
   }
   if (letters_.empty()) refuseOffsets(file, "'axes' is empty");
 }

@@ -37,7 +37,7 @@ void readFanucLine(const TextLine& line, KeyedValues& parameters) {
     else if (text[at] == 'P')
       parameters.set(parameterName(number, axis), value, line.place);
     else if (text[at] != 'Q' && text[at] != 'L' && text[at] != 'S')
-      refuse(line.place, "'" + word + "' is no word of a parameter: N, Q, L, A, S, P");
+      refuse(line.place, "'" + word + "' is not a word of a parameter: N, Q, L, A, S, P");
     at = end;
   }
 }
@@ -79,7 +79,7 @@ class FanucAxis {
     if (value == nullptr) return false;
     const std::string& text = value->text;
     if (text.empty() || text.size() > 8 || text.find_first_not_of("01") != std::string::npos)
-      refuse(value->place, name(number) + ": '" + text + "' is no byte of bits");
+      refuse(value->place, name(number) + ": '" + text + "' is not a byte of bits");
     return which < text.size() && text[text.size() - 1 - which] == '1';
   }
 

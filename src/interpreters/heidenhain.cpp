@@ -34,7 +34,7 @@ TextTable readTncTable(const std::filesystem::path& file) {
     }
   }
   if (table.names.cells.empty())
-    refuse({file, 0}, "is no table: BEGIN and a line of names of columns are expected");
+    refuse({file, 0}, "is not a table: BEGIN and a line of column names are expected");
   if (!ended) refuse({file, 0}, "[END] is missing: the file is not whole");
   return table;
 }

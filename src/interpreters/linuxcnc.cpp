@@ -28,7 +28,7 @@ TextTable compTriplets(const std::filesystem::path& file) {
     if (!triplet && !end) end = line.place;
     if (!triplet) continue;
     if (end)
-      refuse(*end, "is no triplet of numbers, and LinuxCNC reads no further, but line " +
+      refuse(*end, "is not a triplet of numbers, so LinuxCNC stops reading there, but line " +
                        std::to_string(line.place.line) + " is one; take the line out");
     words.resize(3);
     table.add(words, line.place);

@@ -55,7 +55,7 @@ void readSiemensLine(const TextLine& line, KeyedValues& said) {
     refuse(line.place, "variable '" + name + "' is not read" + didYouMean(name, names));
   }
   if (open > equals || equals == std::string::npos || equals + 2 == text.size())
-    refuse(line.place, "'" + std::string(trim(line.text)) + "' is no [index]=value");
+    refuse(line.place, "'" + std::string(trim(line.text)) + "' is not [index]=value");
   std::vector<std::string> indices = partsBetween(text.substr(open + 1, equals - open - 1), ',');
   if (indices.size() != known->second)
     refuse(line.place, name + ": has " + std::to_string(known->second) + " indices in brackets, not " +

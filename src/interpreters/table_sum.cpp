@@ -103,7 +103,7 @@ std::string jointOfAxis(const std::string& axis, const FilePlace& place) {
   const bool letter = !name.empty() && kLetters.find(name[0]) != std::string_view::npos;
   const bool numbered = name.find_first_not_of("0123456789_", 1) == std::string::npos;
   if (!letter || !numbered)
-    refuse(place, "'" + axis + "' is no axis; X, Y, Z, A, B, C, U, V, W, with a number or without");
+    refuse(place, "'" + axis + "' is not an axis; use X, Y, Z, A, B, C, U, V or W, with or without a number");
   return name.substr(0, 1);
 }
 

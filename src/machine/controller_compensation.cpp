@@ -63,7 +63,7 @@ ControllerCompensation parseCompensation(const std::string& text, const std::str
       throw InputError(source + ": the files of the compensation have checksum " + found.checksum() +
                        ", not " + told + ": they were changed; state them again");
   } catch (const nlohmann::json::exception& e) {
-    throw InputError(source + ": is no statement of a compensation (" + e.what() + ")");
+    throw InputError(source + ": is not a statement of a compensation (" + e.what() + ")");
   }
   return found;
 }

@@ -6,6 +6,7 @@
 
 #include "base/format.h"
 #include "base/units.h"
+#include "machine/iso230_axes.h"
 
 namespace mm {
 namespace {
@@ -27,19 +28,6 @@ std::string directionText(const Eigen::Vector3d& v) {
 }
 
 const char* kindText(const Joint& joint) { return joint.kind == JointKind::kLinear ? "linear" : "rotary"; }
-
-/// Axes of the fixed side of each joint in `workpiece`, at zero readings: those of its errors.
-std::vector<Eigen::Matrix3d> fixedSides(const Machine& machine) {
-  const std::vector<double> q(static_cast<std::size_t>(machine.jointCount()), 0.0);
-  const ErrorLayout at = machine.layout();
-  const std::vector<double> errors(static_cast<std::size_t>(at.size()), 0.0);
-  Eigen::Matrix<double, 6, Eigen::Dynamic> gradient;
-  machine.measure(q.data(), 0.0, errors.data(), &gradient);
-  std::vector<Eigen::Matrix3d> sides;
-  for (int j = 0; j < machine.jointCount(); ++j)
-    sides.emplace_back(gradient.block<3, 3>(0, at.jointTranslation(j, 0)));
-  return sides;
-}
 
 /// What the URDF's `<robot>` says of the machine as a whole.
 struct Stated {

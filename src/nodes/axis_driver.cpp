@@ -101,7 +101,7 @@ AxisDriver::AxisDriver(ros::NodeHandle node, ros::NodeHandle own, std::shared_pt
 
 AxisDriver::~AxisDriver() {
   if (!control_.shutDown("the end of the driver"))
-    ROS_ERROR("the driver ends: stop was sent, but whether the axes rest is not known");
+    ROS_ERROR("the driver is shutting down: stop was sent, but it is unknown whether the axes have stopped");
   {
     const std::lock_guard<std::mutex> lock(goals_);
     ending_ = true;
@@ -151,7 +151,7 @@ void AxisDriver::cycle(double elapsed) {
       ROS_WARN("nothing moves: %s", view.fault.c_str());
     faultSaid_ = view.fault;
     if (!view.lost.empty() && lostSaid_.empty()) ROS_ERROR("controller: %s", view.lost.c_str());
-    if (view.lost.empty() && !lostSaid_.empty()) ROS_INFO("controller: answers again");
+    if (view.lost.empty() && !lostSaid_.empty()) ROS_INFO("controller: responds again");
     lostSaid_ = view.lost;
     if (view.probe != probeSaid_) {
       if (!view.probe.empty()) ROS_WARN("%s", view.probe.c_str());

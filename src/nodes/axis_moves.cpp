@@ -64,7 +64,7 @@ void AxisDriver::advertise(ros::NodeHandle own) {
       "move_off_limit", [this](std_srvs::TriggerRequest&, std_srvs::TriggerResponse& response) {
         answer(response, [&] {
           control_.moveOffLimit({"~move_off_limit"});
-          response.message = "off the limit";
+          response.message = "off the limit switch";
         });
         return true;
       }));
@@ -94,8 +94,8 @@ Mover AxisDriver::moverOf(const std::string& sender, std::uint64_t ticket) {
       sender, ticket, [this, sender]() -> std::string {
         if (listeners_.listens(sender)) return {};
         return "'" + sender +
-               "', which asked for the motion, does not listen to its action's status (any more); a motion "
-               "ends with whoever asked for it";
+               "', which requested the motion, does not subscribe to its action's status; a motion ends with "
+               "the node that requested it";
       }};
 }
 
@@ -107,7 +107,8 @@ Mover AxisDriver::callerOf(const std::string& node) {
 void AxisDriver::takeHoming(HomeServer::GoalHandle goal) {
   {
     const std::lock_guard<std::mutex> lock(goals_);
-    if (homes_.exchange(true)) return goal.setRejected({}, "homing is under way; wait until it has ended");
+    if (homes_.exchange(true))
+      return goal.setRejected({}, "homing is in progress; wait until it has finished");
     homingCancelled_ = false;
     goal.setAccepted();
     nextHoming_ = std::make_unique<HomeServer::GoalHandle>(goal);
@@ -164,21 +165,22 @@ AxesMotion AxisDriver::motionOf(const measuring_machine::MoveGoal& goal) const {
     throw InputError("the goal names " + std::to_string(goal.name.size()) + " joints and has " +
                      std::to_string(goal.position.size()) + " positions");
   const std::vector<double> here = control_.view().state.position;
-  if (here.size() != control_.axes().size()) throw Error("the controller has not said where its axes are");
+  if (here.size() != control_.axes().size())
+    throw Error("the controller has not reported the positions of its axes");
   std::vector<double> target = here;
   for (std::size_t i = 0; i < goal.name.size(); ++i) {
     const auto& axes = control_.axes();
     const auto found = std::find(axes.begin(), axes.end(), goal.name[i]);
     if (found == axes.end()) throw InputError("joint '" + goal.name[i] + "' is not moved by this driver");
     if (std::count(goal.name.begin(), goal.name.end(), goal.name[i]) > 1)
-      throw InputError("joint '" + goal.name[i] + "' stands in the goal twice; give it once");
+      throw InputError("joint '" + goal.name[i] + "' appears twice in the goal; give it once");
     target[found - axes.begin()] = goal.position[i];
   }
   checkTarget(control_.joints(), target);
   for (const double speed : {goal.linear_speed, goal.rotary_speed})
     if (!std::isfinite(speed) || speed < 0.0)
       throw InputError("a speed of the goal is " + std::to_string(speed) +
-                       "; it must be above 0, or 0 for the driver's own");
+                       "; it must be above 0, or 0 for the driver's default");
   const double linear = goal.linear_speed > 0.0 ? goal.linear_speed : linearSpeed_;
   const double rotary = goal.rotary_speed > 0.0 ? goal.rotary_speed : rotarySpeed_;
   const bool whole = static_cast<int>(control_.joints().size()) == machine_.jointCount();
@@ -211,7 +213,7 @@ void AxisDriver::takeGoal(Goal goal) {
       MoveResult result;
       result.outcome = MoveResult::REFUSED;
       result.message =
-          "a motion by '" + before->sender + "' is under way; wait until it has ended, or call ~stop";
+          "a motion by '" + before->sender + "' is in progress; wait until it has finished, or call ~stop";
       goal.setRejected(result, result.message);
       return;
     }
@@ -341,7 +343,7 @@ bool AxisDriver::homeAxes(HomeCall& call) {
 void AxisDriver::stop(const std::string& caller, std_srvs::TriggerResponse& response) {
   answer(response, [&] {
     control_.stop(caller);
-    response.message = "stopped: the axes rest";
+    response.message = "stopped: the axes stand still";
   });
 }
 
@@ -349,14 +351,14 @@ void AxisDriver::emergencyStop(const std::string& caller, bool on, std_srvs::Set
   answer(response, [&] {
     if (!on) {
       const std::unique_lock<std::mutex> alone(reset_, std::try_to_lock);
-      if (!alone.owns_lock()) throw Error("a reset is under way");
+      if (!alone.owns_lock()) throw Error("a reset is in progress");
       control_.resetEmergencyStop();
       response.message = "reset; home again";
       return;
     }
     const std::string failed = control_.emergencyStop(caller);
     if (!failed.empty())
-      throw Error("the emergency stop did not reach the controller: " + failed + "; use its button");
+      throw Error("the emergency stop did not reach the controller: " + failed + "; press its button");
     response.message = "emergency stop";
   });
 }
@@ -365,7 +367,7 @@ bool AxisDriver::hold(TriggerCall& call, bool on) {
   auto& response = call.getResponse();
   answer(response, [&] {
     control_.hold(on);
-    response.message = on ? "feed hold; ~resume goes on" : "goes on";
+    response.message = on ? "feed hold; call ~resume to continue" : "goes on";
   });
   return true;
 }
@@ -385,7 +387,7 @@ bool AxisDriver::take(Take::Request& request, Take::Response& response) {
     if (!(request.seconds > 0.0 && request.seconds <= 3600.0))
       throw InputError("'seconds' is " + std::to_string(request.seconds) +
                        "; it must be above 0, up to 3600");
-    if (request.owner.empty()) throw InputError("'owner' is empty; say who moves");
+    if (request.owner.empty()) throw InputError("'owner' is empty; name the node that moves the axes");
     response.ticket = control_.owner().take({request.owner, request.ticket}, request.seconds);
     response.message = "the axes belong to '" + request.owner + "'";
   });

@@ -168,7 +168,7 @@ ModelSpec CalibrationServer::modelFrom(const std::string& model, const Session& 
   } else {
     throw InputError("model '" + model.substr(0, 200) + "' is neither a file (seen from " +
                      std::filesystem::current_path().string() +
-                     ") nor YAML; give a whole path, or e.g. 'effects: [{type: scale, axis: x}]'");
+                     ") nor YAML; give an absolute path, or e.g. 'effects: [{type: scale, axis: x}]'");
   }
   return spec;
 }
@@ -187,7 +187,7 @@ std::string CalibrationServer::keep(Recalibration& done, const Session& session,
   done.calibration.sessionSpace = lastSpace_;
   const std::string id = store_.add(done.calibration);
   const std::vector<std::string> doubts = doubtsOf(done.result);
-  const std::string doubt = done.result.cancelled ? "cancelled; what is kept is the best found so far"
+  const std::string doubt = done.result.cancelled ? "cancelled; the best result so far is kept"
                             : doubts.empty()      ? ""
                                                   : doubts.front();
   success = doubt.empty();
@@ -196,7 +196,7 @@ std::string CalibrationServer::keep(Recalibration& done, const Session& session,
   if (!misfit.empty()) add(message, "it cannot be promoted here: " + misfit);
   add(message, lossText(session));
   std_msgs::String ledger;
-  ledger.data = ledgerText(done.calibration.ledger, !std::isfinite(done.result.figures.rms));
+  ledger.data = ledgerText(done.calibration, !std::isfinite(done.result.figures.rms));
   ledgerOut_.publish(ledger);
   residualsOut_.publish(residualMarkers(done.result, residualScale_, prefix_ + "workpiece"));
   return id;

@@ -13,7 +13,7 @@ namespace mm {
 
 std::string CalibrationServer::takenBack(const std::string& id, bool& done) {
   if (store_.linked("active") != id)
-    return "calibration " + id + " is not the active one, nothing is rolled back";
+    return "calibration " + id + " is not the active calibration, so nothing is rolled back";
   try {
     std_msgs::String before;
     before.data = store_.rollback({}, [this](const Calibration& c) { checkFit(c); });
@@ -33,7 +33,7 @@ bool CalibrationServer::verify(measuring_machine::Verify::Request& request,
       if (name.empty()) name = store_.linked("active");
       if (name.empty())
         throw InputError("no calibration is active in " + store_.folder().string() +
-                         "; promote one first, or name the calibration that is to be verified");
+                         "; promote one first, or name the calibration to verify");
       const Calibration calibration = calibrationFrom(name);
       const SessionPtr session = openSession(request.bag, Machine(calibration.urdf, calibration.machineName));
       VerifyOptions how;

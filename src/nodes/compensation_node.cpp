@@ -34,7 +34,7 @@ void setAside(const std::string& what, const ros::Time& stamp) {
   ROS_WARN_THROTTLE(10.0, "%s set aside: %s", what.c_str(),
                     stamp.isZero()
                         ? "it has no stamp"
-                        : "its stamp lies before that of the last one; look at its publisher's clock");
+                        : "its stamp is earlier than that of the last one; check the publisher's clock");
 }
 
 std::vector<std::string> namesOf(const Machine& machine) {
@@ -337,11 +337,10 @@ bool CompensationNode::correctTarget(measuring_machine::CorrectTarget::Request& 
     if (request.name.empty()) {
       if (isSilent())
         throw InputError(
-            "no joint states are arriving, so the present readings are not known; name joints and positions "
-            "to "
+            "no joint states are received, so the present readings are unknown; name joints and positions to "
             "start from");
       if (!inputs_.complete())
-        throw InputError("the present readings are not known; name joints and positions to start from");
+        throw InputError("the present readings are unknown; name joints and positions to start from");
       inputs_.fill(active_.view, state);
     } else {
       measuring_machine::ProbeContact start;  // for its order of the joints and its messages

@@ -32,7 +32,7 @@ measuring_machine::CompensationStatus CompensationNode::statusNow() {
     if (!more.empty()) message += (message.empty() ? "" : "; ") + more;
   };
   if (silent)
-    add(status.message, "no joint states are arriving; is the axis driver running?");
+    add(status.message, "no joint states are received; is the axis driver running?");
   else if (!active_.loaded && pair_->warning.empty())
     add(status.message, "no calibration is active; calibrate and promote one");
   else if (!active_.reason.empty())
@@ -56,8 +56,8 @@ measuring_machine::CompensationStatus CompensationNode::statusNow() {
     }
     if (now.pastUnknown)
       add(status.message,
-          "the temperatures were not heard for long enough to know what lags behind them; sigma says by how "
-          "much");
+          "temperatures have not been received for long enough to evaluate effects with a time lag; sigma "
+          "includes this uncertainty");
   }
   withheldSince_.clear();
   return status;

@@ -37,9 +37,9 @@ std::string JointOwners::rivalOf(const Sender& sender, const std::vector<int>& j
     if (byStatus ? !joint.byStatus : false) continue;  // a driver that says so, before one that was first
     const bool left = gone(joint.owner, now);
     if (left && (byStatus || !joint.byStatus)) continue;
-    return format("joint %s is %s's%s, and joint states of %s are not believed; end one of the two",
+    return format("joint %s belongs to %s%s, so joint states from %s are ignored; end one of the two",
                   joint.name.c_str(), joint.owner.c_str(),
-                  left ? ", which has gone (start this node again where another one moves it now)" : "",
+                  left ? ", which has stopped (restart this node if another one moves the joint now)" : "",
                   sender.name.c_str());
   }
   return "";
@@ -66,7 +66,7 @@ std::string JointOwners::misfit(const std::string& name, const Owner& owner, con
   const bool otherLife =
       owner.status && state.homedAt != 0 && owner.status->homed && owner.status->homedAt != state.homedAt;
   if (!owner.status || otherLife || (owner.status->homed && owner.status->homedAt <= owner.unhomedAt))
-    return "the status of " + name + " that belongs to its joint states has not come yet";
+    return "the status of " + name + " that belongs to its joint states has not arrived yet";
   const double apart = static_cast<double>(state.stamp - owner.status->stamp) * 1e-9;
   if (std::abs(apart) > kFits)
     return format("a joint state of %s is stamped %.1f s %s its status", name.c_str(), std::abs(apart),
@@ -84,7 +84,8 @@ JointOwners::Verdict JointOwners::take(const Sender& sender, const State& state,
   const bool unknown =
       std::any_of(joints.begin(), joints.end(), [this](int j) { return joints_[j].owner.empty(); });
   if (unknown && now < awaited_) {
-    verdict.why = "the status of the axis driver, which says whose the joints are, has not come yet";
+    verdict.why =
+        "the status of the axis driver, which tells which node owns the joints, has not arrived yet";
     return verdict;
   }
   Owner& owner = claim(sender, joints, false, now);

@@ -12,7 +12,7 @@ constexpr std::chrono::milliseconds kRenewal(100), kIdle(1000);  // between rene
 constexpr std::chrono::milliseconds kBusy(1000);                 // for which a computer may be held up
 constexpr double kRecovery = 10.0;    // s within which a controller must answer again
 const ros::WallDuration kLook(0.02);  // s between looks at it
-const char* const kDriverGone = "the axis driver has gone; home again, then go on from this move";
+const char* const kDriverGone = "the axis driver has stopped; home again, then continue from this move";
 
 }  // namespace
 
@@ -59,7 +59,7 @@ void MeasureNode::keepLease() {
   }
   if (lapse.empty()) return;
   const auto requireBusy = [&] {
-    if (Wall::now() - last > kBusy) throw Error("the plan was ended: " + lapse + "; go on from this move");
+    if (Wall::now() - last > kBusy) throw Error("the plan was ended: " + lapse + "; continue from this move");
   };
   requireBusy();
   if (++lost_ > retries_) throw Error("the plan was ended: " + lapse);
@@ -76,7 +76,7 @@ void MeasureNode::renewAll() {
     const std::uint64_t ticket = ticket_;
     if (ticket == 0) continue;
     if (left()) {
-      lostTicket_ = "whoever began it has not renewed it in time";
+      lostTicket_ = "its client has not renewed the lease in time";
       lock.unlock();
       giveAxes();
       lock.lock();
@@ -107,7 +107,7 @@ void MeasureNode::renew(std::uint64_t ticket) {
     return;
   }
   if (!answered)
-    lapse_ = "the axis driver has not answered to the renewal of the lease";
+    lapse_ = "the axis driver has not answered the renewal of the lease";
   else
     (take.response.stops == stopsBefore_ ? lapse_ : lostTicket_) = take.response.message;
 }
@@ -187,7 +187,8 @@ bool MeasureNode::drive(const Plan& plan, std::uint8_t kind, const std::vector<d
     }
     if (!axes_.isServerConnected()) throw Error(kDriverGone);
     if (axes_.unheard(kUnheard))
-      throw Error("the axis driver has not heard of a motion: its connection was cut; go on from this move");
+      throw Error(
+          "the axis driver did not receive a motion: its connection was lost; continue from this move");
   }
   const auto [state, result] = axes_.end();
   // A touch that came before the cancel counts, and the tip leaves the ball before the plan ends.
@@ -238,7 +239,7 @@ bool MeasureNode::lostController(std::uint8_t outcome) {
 // Whether the axes are still homed is the driver's to say, at the next motion.
 bool MeasureNode::answersAgain(const std::string& why) {
   if (++lost_ > retries_) return false;
-  ROS_WARN("axes: %s; waiting until the controller answers again (%d of %d)", why.c_str(), lost_, retries_);
+  ROS_WARN("axes: %s; waiting until the controller responds again (%d of %d)", why.c_str(), lost_, retries_);
   const ros::Time ended = ros::Time::now();
   const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kRecovery);
   for (; ros::WallTime::now() < end; kLook.sleep()) {

@@ -72,7 +72,7 @@ MeasureNode::MeasureNode(ros::NodeHandle node, ros::NodeHandle own, const Machin
       "pause", [this](std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
         paused_ = request.data;
         response.success = true;
-        response.message = paused_ ? "pauses after the move that is under way" : "continues";
+        response.message = paused_ ? "pauses after the current move" : "continues";
         return true;
       });
   renewIn_ = own.advertiseService<std_srvs::Trigger::Request, std_srvs::Trigger::Response>(
@@ -294,7 +294,7 @@ void MeasureNode::askFor(const Plan& plan, const PlanMove& move) {
   const bool first = stand_.empty();
   stand_ = stand;
   if (first) return;  // as it stands when a plan begins
-  feedback_.asks = "set up " + stand + ", then go on";
+  feedback_.asks = "set up " + stand + ", then continue";
   ROS_INFO("%s", feedback_.asks.c_str());
   paused_ = true;
   holdWhilePaused();

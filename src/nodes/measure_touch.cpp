@@ -89,7 +89,7 @@ std::string MeasureNode::retriesInWords() const {
   if (retried_ > 0) text += "; measurements were tried again " + times(retried_);
   if (feedback_.missed > 0) text += "; set aside: " + std::to_string(feedback_.missed);
   if (left_ > 0)
-    text += "; the probe closed again on the way back " + times(left_) + ": does its switch chatter?";
+    text += "; the probe closed again on the way back " + times(left_) + ": is its switch bouncing?";
   return text;
 }
 

@@ -36,9 +36,9 @@ template <typename Service>
 std::string ask(const ros::NodeHandle& node, const std::string& name, Service& service) {
   ros::NodeHandle handle(node);
   if (!awaitWall(3.0, [&] { return ros::service::exists(handle.resolveName(name), false); }))
-    throw InputError(handle.resolveName(name) + " is not there; is its node running?");
+    throw InputError(handle.resolveName(name) + " is not available; is its node running?");
   if (!ros::service::call(handle.resolveName(name), service))
-    throw InputError(handle.resolveName(name) + " did not answer; look at its node's log");
+    throw InputError(handle.resolveName(name) + " did not answer; see its node's log");
   if (!service.response.success) throw InputError(service.response.message);
   return service.response.message;
 }
@@ -164,7 +164,7 @@ std::string RosMachine::rollback(const std::string& id) {
 std::string RosMachine::home() {
   if (!awaitWall(3.0, [&] { return home_.isServerConnected(); }))
     throw InputError(node_.resolveName("axis_driver/home") +
-                     " is not there; is the node axis_driver running?");
+                     " is not available; is the node axis_driver running?");
   measuring_machine::TakeMotion ticket;
   ticket.request.owner = ros::this_node::getName() + " (homing)";
   ticket.request.seconds = kPlanLease;
@@ -185,7 +185,7 @@ std::string RosMachine::home() {
   lease(ticket, 0.0);
   if (gone) {
     home_.forget();
-    throw InputError("the node axis_driver has gone, or was cut off, while it homed");
+    throw InputError("the node axis_driver stopped or lost its connection during homing");
   }
   const auto end = home_.end();
   if (end.state == actionlib::TerminalState::SUCCEEDED) return end.result.message;
@@ -205,7 +205,7 @@ std::string RosMachine::pause(bool yes) {
 
 std::string RosMachine::run(const std::string& yaml, const std::function<bool()>& cancelled) {
   if (!awaitWall(3.0, [&] { return measure_.isServerConnected(); }))
-    throw InputError(node_.resolveName("measure/run") + " is not there; is the node measure running?");
+    throw InputError(node_.resolveName("measure/run") + " is not available; is the node measure running?");
   std_srvs::Trigger renewal;
   if (!renew_.callAnew(renewal, kPlanLease))
     throw InputError(node_.resolveName("measure/renew") + " is not there");
@@ -239,14 +239,14 @@ std::string RosMachine::run(const std::string& yaml, const std::function<bool()>
     measure_.forget();
     stop();
     throw InputError(
-        "the node measure has gone, the machine is stopped; what it measured is in the bag, run the plan "
-        "again");
+        "the node measure has stopped, so the machine was stopped; its measurements are in the bag; run the "
+        "plan again");
   }
   const auto end = measure_.end();
   if (end.state == actionlib::TerminalState::SUCCEEDED) return end.result.message;
   if (!end.result.message.empty()) throw InputError(end.result.message);
   const std::string text = end.state.getText();
-  throw InputError(text.empty() ? "the plan ended without an answer" : text);
+  throw InputError(text.empty() ? "the plan ended without a result" : text);
 }
 
 void RosMachine::stop() {

@@ -28,7 +28,7 @@ std::string textOf(const XmlRpc::XmlRpcValue& value) {
       text << (static_cast<bool>(copy) ? "true" : "false");
       break;
     default:
-      throw InputError("is neither a word nor a number");
+      throw InputError("is neither text nor a number");
   }
   return text.str();
 }
@@ -75,7 +75,7 @@ TemperatureNode::TemperatureNode(ros::NodeHandle node, ros::NodeHandle own)
       own_[name] = true;
       if (!topicIsOf(name))
         throw InputError("sensors '" + topics_[topicOf(name)] + "' and '" + name +
-                         "' would both be temperature/" + topicOf(name) + "; give one another name");
+                         "' would both be temperature/" + topicOf(name) + "; rename one of them");
     }
     pollers_.push_back(std::make_unique<Poller>());
     pollers_.back()->device = std::move(device);
@@ -145,14 +145,14 @@ void TemperatureNode::take(const measuring_machine::SensorReadings& readings) {
   const ros::Time now = readings.header.stamp;
   for (std::size_t i = 0; i < std::min(readings.name.size(), readings.temperature.size()); ++i) {
     if (own_.count(readings.name[i]) > 0) {
-      ROS_ERROR_ONCE("sensor '%s' is at the controller and in the parameter 'sensors'; the latter counts",
-                     readings.name[i].c_str());
+      ROS_ERROR_ONCE(
+          "sensor '%s' is defined at the controller and in the parameter 'sensors'; the parameter is used",
+          readings.name[i].c_str());
       continue;
     }
     if (!topicIsOf(readings.name[i])) {
-      ROS_ERROR_ONCE(
-          "the controller's sensor '%s' has the topic of '%s'; it is left out, give one another name",
-          readings.name[i].c_str(), topics_[topicOf(readings.name[i])].c_str());
+      ROS_ERROR_ONCE("the controller's sensor '%s' has the topic of '%s'; it is ignored, rename one of them",
+                     readings.name[i].c_str(), topics_[topicOf(readings.name[i])].c_str());
       continue;
     }
     takeOne(readings.name[i], {readings.temperature[i], {}}, now);
@@ -187,7 +187,7 @@ bool TemperatureNode::accept(std_srvs::Trigger::Response& response) {
   for (auto& entry : sensors_) {
     const std::string changes = entry.second.trust.accept();
     if (changes.empty()) continue;
-    ROS_WARN("%s, because somebody called ~accept", changes.c_str());
+    ROS_WARN("%s, because ~accept was called", changes.c_str());
     response.message += (response.message.empty() ? "" : "; ") + changes;
   }
   response.success = !response.message.empty();
@@ -198,7 +198,7 @@ bool TemperatureNode::accept(std_srvs::Trigger::Response& response) {
 void TemperatureNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
   status.summary(DiagnosticStatus::OK, std::to_string(sensors_.size()) + " sensors");
-  if (sensors_.empty()) status.summary(DiagnosticStatus::WARN, "no sensor has been heard yet");
+  if (sensors_.empty()) status.summary(DiagnosticStatus::WARN, "no sensor value has been received yet");
   const ros::Time now = ros::Time::now();
   for (const auto& [name, sensor] : sensors_) {
     status.add(name, sensor.trust.value());

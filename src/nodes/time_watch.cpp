@@ -16,8 +16,8 @@ std::string TimeWatch::look() {
     since_ = wall;
   }
   if (!now.isZero() && wall - since_ <= kStands) return {};
-  return "the time stands still: /use_sim_time is true and nobody publishes /clock; start the clock, or "
-         "`rosparam set /use_sim_time false` and start this node again";
+  return "ROS time stands still: /use_sim_time is true and nothing publishes /clock; start the clock, or "
+         "`rosparam set /use_sim_time false` and restart this node";
 }
 
 }  // namespace mm

@@ -260,9 +260,8 @@ Conditionals NoiseView::look(const ActingSet& set) const {
     out.logOdds.push_back(most + std::log((part - most).exp().sum()));
     if (std::isnan(out.logOdds.back()))
       throw NumericalError(
-          "the evidence of a cause is no number, so that none could be judged; leave rows of extreme values "
-          "out of "
-          "the session, or send it with this line to the maintainers");
+          "the evidence of a cause is not a number, so no cause can be judged; leave rows of extreme values "
+          "out of the session, or send it with this line to the maintainers");
   }
   return out;
 }

@@ -4,12 +4,13 @@
 #include "diagnosis/wording.h"
 #include "report/json.h"
 #include "report/json_parts.h"
+#include "report/symbols_of.h"
 
 namespace mm {
 namespace {
 
 Json confusableJson(const Confusable& c, const Diagnosis& d) {
-  return jsonObject({effectInWords(c.effect),
+  return jsonObject({effectInWords(c.effect, symbolsOf(d)),
                      {{"owner", ownerOf(c.effect, d)}, {"delta", c.delta}},
                      oddsJson(c.odds),
                      {{"same", c.same}, {"not_recorded", c.notRecorded}, {"moves", c.moves}}});
@@ -18,7 +19,7 @@ Json confusableJson(const Confusable& c, const Diagnosis& d) {
 Json candidateJson(const CandidateResult& c, const Diagnosis& d) {
   const auto parameter = [](const NamedValue& v) { return parameterJson(v.name, v.value, v.std, v.unit); };
   const auto confusable = [&](const Confusable& other) { return confusableJson(other, d); };
-  return jsonObject({effectInWords(c.effect),
+  return jsonObject({effectInWords(c.effect, symbolsOf(d)),
                      {{"owner", ownerOf(c.effect, d)}, {"parameters", jsonList(c.parameters, parameter)}},
                      figureOf(d.angular, "size", c.size),
                      {{"p_value", c.pValue}, {"gain", c.gain}},
@@ -30,7 +31,7 @@ Json candidateJson(const CandidateResult& c, const Diagnosis& d) {
 }
 
 Json profileJson(const ProfileResult& p, const Diagnosis& d) {
-  return jsonObject({effectInWords(p.effect),
+  return jsonObject({effectInWords(p.effect, symbolsOf(d)),
                      {{"direction", p.direction},
                       {"variables", p.variables},
                       {"units", p.units},
@@ -51,8 +52,9 @@ Json formulaJson(const FormulaResult& f, const Diagnosis& d) {
 }
 
 Json driftJson(const DriftResult& drift, const Diagnosis& d) {
-  const auto perhaps = [](const DriftResult::Perhaps& other) {
-    return jsonObject({effectInWords(other.effect), oddsJson(other.odds), {{"share", other.share}}});
+  const auto perhaps = [&](const DriftResult::Perhaps& other) {
+    return jsonObject(
+        {effectInWords(other.effect, symbolsOf(d)), oddsJson(other.odds), {{"share", other.share}}});
   };
   return jsonObject({{{"direction", drift.direction}},
                      figureOf(isAngular(d, drift.direction), "std", drift.std),
@@ -67,12 +69,14 @@ Json scatterJson(const ArtifactScatter& a) {
 }
 
 Json variationJson(const Variation& v, const Diagnosis& d) {
-  const auto instead = [](const Alternative& a) {
-    return jsonObject(
-        {{{"effect", a.effect.yaml()}, {"in_words", inWords(a.effect)}}, oddsJson(a.probability)});
+  const ErrorSymbols symbols = symbolsOf(d);
+  const auto instead = [&](const Alternative& a) {
+    return jsonObject({{{"effect", a.effect.yaml()}, {"in_words", inWords(a.effect)}},
+                       symbolJson(a.effect, symbols),
+                       oddsJson(a.probability)});
   };
   const bool formula = !v.formula.type.empty();
-  return jsonObject({effectInWords(v.effect),
+  return jsonObject({effectInWords(v.effect, symbols),
                      {{"along", v.along}},
                      figureOf(d.angular, "rms", v.rms),
                      figureOf(d.angular, "rms_std", v.std),
@@ -87,8 +91,8 @@ Json inputJson(const MissingInput& input) {
           {"in_words", listInWords(input.effects)}};
 }
 
-Json hiddenJson(const CannotShow& c) {
-  return jsonObject({effectInWords(c.effect), {{"why", c.why}, {"moves", c.moves}}});
+Json hiddenJson(const CannotShow& c, const Diagnosis& d) {
+  return jsonObject({effectInWords(c.effect, symbolsOf(d)), {{"why", c.why}, {"moves", c.moves}}});
 }
 
 Json moveJson(const Move& move) {
@@ -137,7 +141,7 @@ Json diagnosisJson(const Diagnosis& d) {
         {"artifact_scatter", jsonList(d.artifactScatter, scatterJson)},
         {"variations", each(d.variations, variationJson)},
         {"missing_inputs", jsonList(d.missingInputs, inputJson)},
-        {"cannot_show", jsonList(d.cannotShow, hiddenJson)},
+        {"cannot_show", each(d.cannotShow, hiddenJson)},
         {"next_measurement", jsonList(d.nextMeasurement, moveJson)}},
        entryIf(!d.moveChange.empty(), "next_measurement_change", d.moveChange)});
 }

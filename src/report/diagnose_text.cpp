@@ -5,6 +5,7 @@
 #include "diagnosis/noise_words.h"
 #include "diagnosis/verdict.h"
 #include "diagnosis/wording.h"
+#include "report/symbols_of.h"
 #include "report/text.h"
 #include "report/text_parts.h"
 #include "workflow/learning.h"
@@ -38,16 +39,17 @@ std::string entry(const std::string& label, const std::string& text) {
   return text.empty() ? "" : wrapped("    " + padded(label, 18), text);
 }
 
-std::string missingText(const CandidateResult& c, bool angular) {
-  std::string text = "  " + inWords(c.effect) + "\n";
+std::string missingText(const CandidateResult& c, bool angular, const ErrorSymbols& symbols) {
+  std::string text = "  " + inWords(c.effect, symbols) + "\n";
   for (const NamedValue& p : c.parameters) text += entry(p.name, expanded(p.value, p.std, p.unit));
   text += entry("odds", oddsInWords(c.odds));
   text += entry("held-out RMS", length(c.heldOutBefore, angular) + " -> " + length(c.heldOutAfter, angular));
   std::string label = "or instead";
   for (const Confusable& rival : c.confusableWith) {
     const std::string why = whyNotApart(rival);
-    text += entry(label, inWords(rival.effect) + (why.empty() ? ", " + oddsInWords(rival.odds) : "; " + why) +
-                             (rival.moves.empty() ? "" : "; to tell: " + rival.moves));
+    text += entry(label, inWords(rival.effect, symbols) +
+                             (why.empty() ? ", " + oddsInWords(rival.odds) : "; " + why) +
+                             (rival.moves.empty() ? "" : "; to separate them: " + rival.moves));
     label.clear();
   }
   return text + entry("looks the same", c.looksTheSame) + entry("cause", c.cause) + entry("remedy", c.remedy);
@@ -65,7 +67,7 @@ std::string driftText(const Diagnosis& d) {
     for (const DriftResult::Perhaps& other : drift.perhaps) {
       text += entry(label,
                     inWords(other.effect) + ", odds " + oddsInWords(other.odds) +
-                        (other.share > 0.0 ? format("; it would take over %.0f %% of it", 100.0 * other.share)
+                        (other.share > 0.0 ? format("; it would explain %.0f %% of it", 100.0 * other.share)
                                            : std::string()));
       label.clear();
     }
@@ -96,13 +98,10 @@ std::string inputsText(const Diagnosis& d) {
 
 std::string figuresText(const Diagnosis& d) {
   const ResidualFigures& f = d.base.figures;
-  const bool found = !d.missing.empty() || !d.profiles.empty() || !d.drift.empty();
   std::string text = "\n  RMS " + length(d.angular ? f.rmsAngular : f.rms, d.angular) + ", held out " +
                      length(d.angular ? f.heldOutRmsAngular : f.heldOutRms, d.angular);
-  if (found && d.heldOut > 0.0)
-    text += "\n  held out with drift predicted " + length(d.heldOutBefore, d.angular) +
-            "; with what was found " + length(d.heldOut, d.angular) +
-            " (fitted again without what is judged)";
+  if (d.heldOut > 0.0 && !(d.missing.empty() && d.profiles.empty()))
+    text += "; with what was found, held out " + length(d.heldOut, d.angular);
   const bool known = d.base.repeatabilityFrom == "declared" || d.base.repeatabilityFrom == "repeated";
   text +=
       "\n  repeatability " +
@@ -115,8 +114,9 @@ std::string figuresText(const Diagnosis& d) {
   }
   if (d.asked < d.residuals)
     text += format(
-        "\n  causes were looked for in %d of %d residuals, in stretches over the whole session; sizes are "
-        "those of all",
+        "\n"
+        "  the search used %d of %d residuals, in stretches over the whole session; sizes are from all "
+        "residuals",
         d.asked, d.residuals);
   if (d.chainsDiffer > 0.0)
     text += format(
@@ -127,11 +127,12 @@ std::string figuresText(const Diagnosis& d) {
     text += format("\n  the noise has heavy tails: Student's t of %.2g degrees of freedom", d.tailDof);
   if (d.resolution > 0.0)
     text += "\n  most readings agree within the resolution of " + length(d.resolution, d.angular) +
-            ": they were judged spread over a quarter of it";
+            ": they were treated as spread over a quarter of it";
   for (const NotJudged& n : d.notJudged)
     text += format(
-        "\n  %d observations are not judged: how %s came there is not known; move it "
-        "before the first reading",
+        "\n"
+        "  %d observations are not evaluated: the direction from which %s arrived is unknown; move it before "
+        "the first reading",
         n.observations, n.joint.c_str());
   return text + "\n  ± is the expanded uncertainty, k = 2\n";
 }
@@ -172,7 +173,7 @@ std::string cannotShowText(const Diagnosis& d) {
     else
       same->second.push_back(c.effect);
   }
-  std::string text = "\nThis session could not have shown\n";
+  std::string text = "\nThis session cannot exclude\n";
   std::size_t more = 0;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const auto& [of, effects] = lines[i];
@@ -180,7 +181,7 @@ std::string cannotShowText(const Diagnosis& d) {
       more += effects.size();
     else
       text += wrapped("  ", listInWords(effects, kNames) + ": " + of->why +
-                                (of->moves.empty() ? "" : "; would: " + of->moves));
+                                (of->moves.empty() ? "" : "; would show it: " + of->moves));
   }
   return text + (more > 0 ? format("  and %zu more (--json lists them)\n", more) : "");
 }
@@ -208,7 +209,7 @@ std::string diagnoseText(const Diagnosis& d, const std::string& session, const s
   if (d.base.problem) text += figuresText(d) + "\n" + whereText(d.where);
   if (!d.missing.empty()) {
     text += "\nMissing, in the order found\n";
-    for (const CandidateResult& c : d.missing) text += missingText(c, d.angular);
+    for (const CandidateResult& c : d.missing) text += missingText(c, d.angular, symbolsOf(d));
   }
   if (!d.profiles.empty()) {
     text += "\nErrors that no effect of the catalogue explains\n";
@@ -224,7 +225,7 @@ std::string diagnoseText(const Diagnosis& d, const std::string& session, const s
   text += cannotShowText(d);
   if (!d.nextMeasurement.empty()) {
     constexpr std::size_t kShown = 6;
-    text += format("\nNext measurement, to tell them apart: %zu targets", d.nextMeasurement.size()) +
+    text += format("\nNext measurement, to separate them: %zu targets", d.nextMeasurement.size()) +
             (d.moveChange.empty() ? "" : ", with " + d.moveChange) + "\n";
     for (std::size_t i = 0; i < std::min(kShown, d.nextMeasurement.size()); ++i)
       text += "  " + moveText(d.nextMeasurement[i]) + "\n";
@@ -232,14 +233,14 @@ std::string diagnoseText(const Diagnosis& d, const std::string& session, const s
   }
   const bool measure = d.verdict == Verdict::kConfusable && !d.nextMeasurement.empty();
   if (measure)
-    text += "\nType next, for a plan of the moves; then measure it:\n  " +
-            movesCommand(session, calibration) + "\n";
+    text +=
+        "\nNext, write a plan of the moves and measure it:\n  " + movesCommand(session, calibration) + "\n";
   const std::string next = addCommand(d, session, calibration);
   const bool certain = !std::all_of(d.missing.begin(), d.missing.end(), hasRivals);
   if (!next.empty())
     text += (!measure  ? "\nType next:\n  "
-             : certain ? "\nMeanwhile add what is certain:\n  "
-                       : "\nOr, without measuring, add the likeliest:\n  ") +
+             : certain ? "\nAdd the certain effect now:\n  "
+                       : "\nOr, without measuring, add the most probable:\n  ") +
             next + "\n";
   return text;
 }

@@ -6,6 +6,7 @@
 #include "report/found_features.h"
 #include "report/json_parts.h"
 #include "report/quantiles.h"
+#include "report/symbols_of.h"
 #include "report/text_parts.h"
 #include "thermal/thermal_network.h"
 
@@ -24,12 +25,14 @@ Json geneticJson(const GeneticSummary& g, bool angular) {
 
 Json parametersJson(const CalibrationResult& result) {
   const Model& model = result.problem->model();
+  const ErrorSymbols symbols = symbolsOf(result);
   Json list = Json::array();
   for (int i = 0; i < model.parameterCount(); ++i) {
     const Parameter& p = model.parameter(i);
     const EffectPtr& effect = model.effects()[static_cast<std::size_t>(model.effectOf(i))];
     list.push_back(
         jsonObject({{{"effect", effectJson(effect->spec())}},
+                    symbolJson(effect->spec(), symbols),
                     parameterJson(p.name, result.x[i] * p.toUnit, result.std(i) * p.toUnit, p.unit)}));
   }
   return list;
@@ -138,8 +141,8 @@ std::string calibrateJson(const CalibrationResult& result, const std::vector<Dou
 }
 
 std::string changeJson(const CalibrationResult& result, const std::vector<LedgerEntry>& ledger) {
-  return jsonText(
-      jsonObject({calibrationJson(result), {{"ledger", ledgerJson(ledger, angularOnly(result))}}}));
+  return jsonText(jsonObject(
+      {calibrationJson(result), {{"ledger", ledgerJson(ledger, angularOnly(result), symbolsOf(result))}}}));
 }
 
 std::string compareJson(const CalibrationResult& compared, const std::vector<WhereItFails>& where) {

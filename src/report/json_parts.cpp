@@ -38,8 +38,14 @@ Json effectJson(const EffectSpec& effect) {
   return object;
 }
 
-Json effectInWords(const EffectSpec& effect) {
-  return {{"effect", effectJson(effect)}, {"in_words", inWords(effect)}};
+Json symbolJson(const EffectSpec& effect, const ErrorSymbols& symbols) {
+  const std::string symbol = symbols.of(effect);
+  return entryIf(!symbol.empty(), "iso230", symbol);
+}
+
+Json effectInWords(const EffectSpec& effect, const ErrorSymbols& symbols) {
+  return jsonObject(
+      {{{"effect", effectJson(effect)}, {"in_words", inWords(effect)}}, symbolJson(effect, symbols)});
 }
 
 Json oddsJson(double probability) {
@@ -150,13 +156,14 @@ Json sessionNotes(const Session& session, const std::vector<Doubt>& questions) {
           {"questions", jsonList(questions, question)}};
 }
 
-Json ledgerJson(const std::vector<LedgerEntry>& ledger, bool angular) {
+Json ledgerJson(const std::vector<LedgerEntry>& ledger, bool angular, const ErrorSymbols& symbols) {
   return jsonList(ledger, [&](const LedgerEntry& e) {
     const bool ofEffect = !e.effect.type.empty();
     return jsonObject({{{"action", e.action},
                         {"effect", orNull(ofEffect, effectJson(e.effect))},
-                        {"in_words", ofEffect ? inWords(e.effect) : ""},
-                        {"time", e.time}},
+                        {"in_words", ofEffect ? inWords(e.effect) : ""}},
+                       symbolJson(e.effect, symbols),
+                       {{"time", e.time}},
                        beforeAndAfter(angular, "rms", e.rmsBefore, e.rmsAfter),
                        beforeAndAfter(angular, "held_out_rms", e.heldOutBefore, e.heldOutAfter),
                        {{"calibration", e.calibration}},

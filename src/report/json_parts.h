@@ -7,6 +7,7 @@
 #include "design/point_set.h"
 #include "diagnosis/diagnose.h"
 #include "effects/effect_spec.h"
+#include "effects/iso230_symbol.h"
 #include "estimation/calibrate.h"
 #include "session/sense_checks.h"
 
@@ -33,8 +34,10 @@ Json roundedList(const Range& values, double step) {
 
 /// `{"type": …, keys…}`: numbers as numbers, true and false as such, lists as lists.
 Json effectJson(const EffectSpec& effect);
-/// Entries `effect` and `in_words`.
-Json effectInWords(const EffectSpec& effect);
+/// Entry `iso230`, its symbol; nothing where it has none.
+Json symbolJson(const EffectSpec& effect, const ErrorSymbols& symbols);
+/// Entries `effect`, `in_words` and `iso230`.
+Json effectInWords(const EffectSpec& effect, const ErrorSymbols& symbols);
 /// Entries `odds` and `odds_in_words`.
 Json oddsJson(double probability);
 /// Entries `name`, `value`, `std` and `unit`.
@@ -72,6 +75,6 @@ Json parametersJson(const Calibration& calibration);
 Json diagnosisJson(const Diagnosis& diagnosis);
 /// What `mm check --json` prints, as an object.
 Json pointSetObject(const PointSet& set);
-Json ledgerJson(const std::vector<LedgerEntry>& ledger, bool angular);
+Json ledgerJson(const std::vector<LedgerEntry>& ledger, bool angular, const ErrorSymbols& symbols);
 
 }  // namespace mm

@@ -2,12 +2,14 @@
 #include <cmath>
 
 #include "base/units.h"
+#include "report/symbols_of.h"
 #include "report/text.h"
 #include "report/text_parts.h"
 
 namespace mm {
 
-std::string ledgerText(const std::vector<LedgerEntry>& ledger, bool angular) {
+std::string ledgerText(const Calibration& calibration, bool angular) {
+  const std::vector<LedgerEntry>& ledger = calibration.ledger;
   if (ledger.empty()) return "The ledger is empty.\n";
   double largest = 0.0;
   for (const LedgerEntry& e : ledger)
@@ -21,8 +23,11 @@ std::string ledgerText(const std::vector<LedgerEntry>& ledger, bool angular) {
   std::string text = padded("Ledger", 70) + padded("RMS", 13) + "held out\n";
   text += "  " + padded("nominal machine", 68) + padded(length(ledger.front().rmsBefore, angular), 13) +
           padded(length(ledger.front().heldOutBefore, angular), 13) + bar(ledger.front().rmsBefore) + "\n";
+  const ErrorSymbols symbols = symbolsOf(calibration);
   for (const LedgerEntry& e : ledger) {
-    const std::string what = e.action + (e.effect.type.empty() ? "" : " " + e.effect.yaml());
+    const std::string symbol = symbols.of(e.effect);
+    const std::string what = e.action + (e.effect.type.empty() ? "" : " " + e.effect.yaml()) +
+                             (symbol.empty() ? "" : " (" + symbol + ")");
     text += "  " + padded(what, 67) + " " + padded(length(e.rmsAfter, angular), 13) +
             padded(length(e.heldOutAfter, angular), 13) + bar(e.rmsAfter) + "\n";
   }

@@ -21,7 +21,7 @@ std::string featuresText(const PointSet& set) {
         padded(std::isfinite(f.coneHalfAngle) ? format("± %.0f deg", f.coneHalfAngle / kDegree) : "-", 19);
     text += !f.ball                           ? "-"
             : std::isfinite(f.centrePerNoise) ? format("%.2g x the noise", f.centrePerNoise)
-                                              : std::string("not determined: touch it from more sides");
+                                              : std::string("not determined: touch it from more directions");
     if (f.lengths > 0) text += format("; %d lengths from it", f.lengths);
     text += "\n";
   }
@@ -96,7 +96,7 @@ std::string doubtsText(const PointSet& set) {
 
 std::string adviceText(const PointSet& set) {
   if (set.advice.postures.empty()) return {};
-  std::string text = "  postures that would help most (five contacts each, around the probe's direction):\n";
+  std::string text = "  most useful additional postures (five contacts each, around the probe direction):\n";
   for (const ProposedPosture& p : set.advice.postures)
     text += "    " + postureText(set.problem->session().machine, p) + "\n";
   for (const PostureAdvice::Gain& g : set.advice.gains)
@@ -108,7 +108,7 @@ std::string adviceText(const PointSet& set) {
 /// Members of one type that are hidden for the same reason, on one line.
 std::string hiddenText(const PointSet& set) {
   if (set.cannotShow.empty()) return "\nEvery effect of the catalogue would show in this session.\n";
-  std::string text = "\nThis session could not show (--json says what would)\n";
+  std::string text = "\nThis session cannot show (--json says what would)\n";
   std::vector<char> told(set.cannotShow.size(), 0);
   for (std::size_t first = 0; first < set.cannotShow.size(); ++first) {
     if (told[first] != 0) continue;
@@ -136,7 +136,7 @@ std::string separationsText(const PointSet& set) {
   std::string told, open;
   for (const Separation& s : set.separations)
     (s.told ? told : open) += "  " + s.what + (s.told ? "" : ": it takes " + s.needs) + "\n";
-  return (told.empty() ? "" : "\nTold apart\n" + told) + (open.empty() ? "" : "\nNot told apart\n" + open);
+  return (told.empty() ? "" : "\nTold apart\n" + told) + (open.empty() ? "" : "\nNot separable\n" + open);
 }
 
 Json coverageJson(const FeatureCoverage& f) {

@@ -3,6 +3,7 @@
 
 #include "base/units.h"
 #include "diagnosis/wording.h"
+#include "report/symbols_of.h"
 #include "report/text_parts.h"
 
 namespace mm {
@@ -108,9 +109,11 @@ std::string curveOfTwo(const ProfileResult& p, const std::vector<Point>& points,
 std::string profileText(const Diagnosis& d, const ProfileResult& p) {
   const bool angular = isAngular(d, p.direction);
   const std::string unit = angular ? "arcsec" : "um";
+  const std::string symbol = symbolsOf(d).of(p.effect);
   std::string text = "  " + std::string(angular ? "of " : "along ") + p.direction + ", over " +
-                     variablesInWords(p) + ": odds " + oddsInWords(p.odds) + ", held-out RMS " +
-                     length(p.heldOutBefore, d.angular) + " -> " + length(p.heldOutAfter, d.angular) + "\n";
+                     variablesInWords(p) + (symbol.empty() ? "" : " (" + symbol + ")") + ": odds " +
+                     oddsInWords(p.odds) + ", held-out RMS " + length(p.heldOutBefore, d.angular) + " -> " +
+                     length(p.heldOutAfter, d.angular) + "\n";
   const std::vector<Point> points = finitePoints(p);
   if (points.empty()) return text;
   return text + (p.variables.size() == 1 ? curveOfOne(p, points, unit) : curveOfTwo(p, points, unit));

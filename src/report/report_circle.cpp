@@ -20,6 +20,53 @@ Eigen::VectorXd residualOf(const CalibrationResult& fitted, int observation, std
   return left;
 }
 
+constexpr const char* kBallBar = "ball_bar";  // the artifact that mm import makes of one
+
+/// A row of an imported ball bar: the reading at which the tip was at the nominal radius from the centre.
+struct BarRow {
+  int feature = 0;
+  Eigen::Vector3d centre, out;      // m; out: from the centre to the tip, in workpiece
+  double radius = 0.0, left = 0.0;  // m, nominal; um, radial deviation that the model leaves
+};
+
+std::vector<BarRow> barRows(const CalibrationResult& fitted) {
+  const Session& session = fitted.problem->session();
+  std::vector<BarRow> rows;
+  if (session.artifact.name != kBallBar || !session.artifact.poseKnown) return rows;
+  for (std::size_t i = 0; i < session.observations.size(); ++i) {
+    const Observation& o = session.observations[i];
+    if (o.kind != ObservationKind::kContact || o.feature < 0) continue;
+    const Feature& bar = session.artifact.features[static_cast<std::size_t>(o.feature)];
+    const Eigen::Vector3d tip = session.machine.nominal(o.position.data(), kNotMeasured).position;
+    const BarRow row{o.feature, bar.position, tip - bar.position, bar.radius,
+                     -residualOf(fitted, static_cast<int>(i), 1)[0]};
+    if (row.out.norm() > 0.0 && std::isfinite(row.left)) rows.push_back(row);
+  }
+  return rows;
+}
+
+/// The circle of one ball bar: the tip was further out than the nominal circle by as much as the reading was
+/// nearer. @param first, second of its axes, on return.
+std::vector<CirclePlace> circleOfBar(const std::vector<BarRow>& rows, int feature, int& first, int& second) {
+  Eigen::Vector3d squares = Eigen::Vector3d::Zero();
+  for (const BarRow& row : rows)
+    if (row.feature == feature) squares += row.out.cwiseAbs2();
+  int normal = 0;
+  squares.minCoeff(&normal);
+  first = (normal + 1) % 3;
+  second = (normal + 2) % 3;
+  const auto in = [&](const Eigen::Vector3d& v) { return Eigen::Vector2d(v[first], v[second]); };
+  std::vector<CirclePlace> places;
+  for (const BarRow& row : rows) {
+    if (row.feature != feature) continue;
+    const Eigen::Vector3d outwards = row.out.normalized();
+    const double deviation = (row.radius - row.out.norm()) / kMicrometre;
+    places.push_back({in(row.centre + row.radius * outwards) / kMillimetre, deviation * in(outwards),
+                      row.left * in(outwards)});
+  }
+  return places;
+}
+
 }  // namespace
 
 std::vector<CircleTest> circleTests(const CalibrationResult& fitted) {
@@ -79,6 +126,14 @@ std::vector<CircleTest> circleTests(const CalibrationResult& fitted) {
       bySetup[o.setup].push_back({nominal / kMillimetre, (actual - nominal) / kMicrometre, left});
     }
     add(bySetup, axes[static_cast<std::size_t>(a)], axes[static_cast<std::size_t>(b)]);
+  }
+  const std::vector<BarRow> bars = barRows(fitted);
+  for (std::size_t f = 0; f < session.artifact.features.size(); ++f) {
+    int first = 0, second = 0;
+    std::map<int, std::vector<CirclePlace>> places;
+    places[-1] = circleOfBar(bars, static_cast<int>(f), first, second);
+    if (!places[-1].empty())
+      add(places, axes[static_cast<std::size_t>(first)], axes[static_cast<std::size_t>(second)]);
   }
   return tests;
 }

@@ -7,7 +7,7 @@
 namespace mm {
 
 /// Circles among what an independent instrument found: deviations of two linear axes, or positions, at
-/// readings that lie on a circle; empty for other sessions.
+/// readings that lie on a circle, or an imported ball bar; empty for other sessions.
 std::vector<CircleTest> circleTests(const CalibrationResult& fitted);
 
 }  // namespace mm

@@ -11,6 +11,7 @@
 #include "report/report_circle.h"
 #include "report/report_curve.h"
 #include "report/report_positioning.h"
+#include "report/report_profiles.h"
 #include "report/report_thermal.h"
 #include "report/report_variables.h"
 #include "report/report_vectors.h"
@@ -36,6 +37,7 @@ struct ReportContents {
   ResidualVectors vectors;
   std::vector<AxisPositioning> positioning;
   std::vector<CircleTest> circles;
+  std::vector<AddedProfile> profiles;  // of the calibration's model, with what was measured
   ThermalTest thermal;
   std::vector<ConvergenceCurve> curves;
 };
@@ -52,6 +54,9 @@ struct ReportOptions {
 /// @throw InputError as `diagnoseCalibration`; Cancelled.
 ReportContents makeReport(const Session& session, const Calibration& calibration,
                           const ReportOptions& options);
+
+/// What the page is called: the machine, when it was measured where that is known, and how warm it was.
+std::string reportTitle(const ReportContents& report);
 
 /// The contents as one JSON object in the units of people; what does not exist is null.
 std::string reportJson(const ReportContents& report);

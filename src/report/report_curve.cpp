@@ -38,7 +38,7 @@ ConvergenceCurve readConvergenceCurve(const std::filesystem::path& file) {
   }
   if (curve.rms.empty())
     throw InputError(name +
-                     ": no generation in it; a calibration by least_squares has no curve, take --method "
+                     ": contains no generation; a calibration by least_squares has no curve, use --method "
                      "staged_mutation or niching");
   return curve;
 }

@@ -1,15 +1,20 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <filesystem>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "base/quantity_words.h"
 #include "base/units.h"
+#include "design/weak_directions.h"
+#include "effects/effect_words.h"
 #include "report/iso_tests_json.h"
 #include "report/json.h"
 #include "report/json_parts.h"
 #include "report/quantiles.h"
 #include "report/report_contents.h"
+#include "report/symbols_of.h"
 #include "report/text_parts.h"
 #include "session/session_hash.h"
 #include "workflow/recalibration.h"
@@ -65,7 +70,7 @@ Json figures(const ReportContents& r) {
   if (r.held)
     out.push_back(
         namedFigures("This calibration, values held",
-                     "does it still hold here? Only the artifact's pose, free centres and zeros fitted",
+                     "is it still valid here? Only the artifact's pose, free centres and zeros are fitted",
                      &*r.held, r.held->figures));
   out.push_back(namedFigures("This calibration, refitted", "the same effects, values fitted to this session",
                              &base, base.figures));
@@ -205,6 +210,7 @@ Json addedJson(const ReportContents& r) {
   Json out = Json::array();
   if (!r.improved) return out;
   const Model& model = r.improved->problem->model();
+  const ErrorSymbols symbols = symbolsOf(*r.improved);
   for (std::size_t e = r.calibration.effects.size(); e < model.effects().size(); ++e) {
     Json values = Json::array();
     for (int k = 0; k < model.effects()[e]->parameterCount(); ++k) {
@@ -213,7 +219,7 @@ Json addedJson(const ReportContents& r) {
       values.push_back(parameterJson(p.name, r.improved->x[i] * p.toUnit,
                                      r.improved->std(i) * std::abs(p.toUnit), p.unit));
     }
-    out.push_back(jsonObject({effectInWords(model.effects()[e]->spec()), {{"values", values}}}));
+    out.push_back(jsonObject({effectInWords(model.effects()[e]->spec(), symbols), {{"values", values}}}));
   }
   return out;
 }
@@ -233,14 +239,42 @@ Json outliersWithNames(const CalibrationResult& r) {
   });
 }
 
+Json addedProfileJson(const AddedProfile& p) {
+  const auto point = [](const AddedProfile::Point& c) -> Json { return Json::array({c.at, c.value, c.std}); };
+  return {{"in_words", p.inWords},
+          {"direction", p.direction},
+          {"unit", nameOfUnit(p.angular)},
+          {"variables", Json::array({p.variable})},
+          {"units", Json::array({p.variableUnit})},
+          {"curve", jsonList(p.curve, point)},
+          {"x", roundedList(p.x, stepOf(p.x))},
+          {"y", roundedList(p.y, stepOf(p.y))}};
+}
+
 Json curveJson(const ConvergenceCurve& c) {
   return {{"name", c.name}, {"unit", nameOfUnit(c.angular)}, {"generation", c.generation}, {"rms", c.rms}};
 }
 
 }  // namespace
 
+std::string reportTitle(const ReportContents& r) {
+  std::string title = std::filesystem::path(r.calibration.machineName).stem().string();
+  if (const Json measured = measuredJson(r); measured.is_string())
+    title += ", " + measured.get<std::string>().substr(0, 10);
+  double lower = kNotMeasured, upper = kNotMeasured;
+  for (const InputCoverage& input : r.pointSet.inputs) {
+    if (!input.temperature) continue;
+    lower = std::fmin(lower, input.lower);
+    upper = std::fmax(upper, input.upper);
+  }
+  if (std::isfinite(lower))
+    title += upper - lower < 0.05 ? format(", %.1f °C", lower) : format(", %.1f to %.1f °C", lower, upper);
+  return title;
+}
+
 Json parametersJson(const Calibration& c) {
   Json out = Json::array();
+  const ErrorSymbols symbols = symbolsOf(c);
   const Eigen::VectorXd nominal = nominalValues(c);
   for (std::size_t e = 0; e < c.effects.size(); ++e) {
     Json values = Json::array();
@@ -250,12 +284,13 @@ Json parametersJson(const Calibration& c) {
       const double at = nominal.size() > 0 ? nominal[static_cast<Eigen::Index>(i)] : kNotMeasured;
       values.push_back({{"nominal", at * v.toUnit},
                         {"name", v.name},
+                        {"meaning", meaningOf(c.effects[e], v.name)},
                         {"value", v.value * v.toUnit},
                         {"std", orNull(!v.fixed, v.std * std::abs(v.toUnit))},
                         {"unit", v.unit},
                         {"held", v.fixed}});
     }
-    out.push_back(jsonObject({effectInWords(c.effects[e]), {{"values", values}}}));
+    out.push_back(jsonObject({effectInWords(c.effects[e], symbols), {{"values", values}}}));
   }
   return out;
 }
@@ -266,7 +301,8 @@ std::string reportJson(const ReportContents& r) {
   const CalibrationResult& base = d.base;
   const bool fitted = base.problem != nullptr, compared = !c.sessionHash.empty();
   const bool angular = fitted ? d.angular : angularOnly(c);
-  return jsonLine({{"session", r.sessionPath},
+  return jsonLine({{"title", reportTitle(r)},
+                   {"session", r.sessionPath},
                    {"session_warning", r.session->warning},
                    {"calibration", r.calibrationPath},
                    {"calibration_id", c.id},
@@ -295,8 +331,10 @@ std::string reportJson(const ReportContents& r) {
                    {"features", foundJson(r)},
                    {"thermal", thermalJson(r.thermal)},
                    {"networks", fitted ? networkSummaries(base.problem->model()) : Json::array()},
-                   {"ledger", ledgerJson(c.ledger, angular)},
+                   {"ledger", ledgerJson(c.ledger, angular, symbolsOf(c))},
                    {"parameters", parametersJson(c)},
+                   {"weak", fitted ? jsonList(weakDirections(base), &WeakDirection::inWords) : Json::array()},
+                   {"profiles", jsonList(r.profiles, addedProfileJson)},
                    {"added", addedJson(r)},
                    {"identifiability",
                     fitted ? identifiabilityJson(*base.problem, base.identifiability, base.x) : Json()},

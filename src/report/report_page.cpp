@@ -98,7 +98,7 @@ std::string filledPage(const std::string& html,
 
 std::string reportPage(const ReportContents& report, const ReportFiles& files) {
   const std::vector<std::pair<std::string, std::string>> marks = {
-      {"{{title}}", escapedHtml(std::filesystem::path(report.sessionPath).filename().string())},
+      {"{{title}}", escapedHtml(reportTitle(report))},
       {"{{style}}", files.css},
       {"{{sentence}}", escapedHtml(report.diagnosis.sentence)},
       {"{{command}}", escapedHtml(addCommand(report.diagnosis, report.sessionPath, report.calibrationPath))},

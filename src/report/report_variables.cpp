@@ -89,8 +89,8 @@ struct Line {
   double gain = 0.0;  // what the bins explain of the varying part, whitened
 };
 
-/// The displacement along one direction in each bin: weighted least squares of residual = -factor *
-/// displacement.
+/// The mean deviation along one direction in each bin: weighted least squares of residual = -factor *
+/// deviation.
 Line lineOf(const std::vector<std::vector<int>>& bins, const Rows& rows, const Eigen::VectorXd& values,
             const Eigen::VectorXd& factor) {
   Line line;
@@ -152,15 +152,18 @@ void removeConstants(Rows& rows, const Eigen::MatrixXd& factors) {
 
 void addPoints(VariableView& view, const Rows& rows, const Eigen::VectorXd& raw,
                const Eigen::VectorXd& factor) {
-  const double least = 0.5 * factor.cwiseAbs().maxCoeff();
+  const double largest = factor.cwiseAbs().maxCoeff();
+  const auto along = [&](std::size_t i) {
+    return residualAlong(rows.residual[i], factor[rows.space[i]], largest);
+  };
   std::vector<int> seen;
   for (std::size_t i = 0; i < rows.space.size(); ++i)
-    if (std::abs(factor[rows.space[i]]) >= least) seen.push_back(static_cast<int>(i));
+    if (std::isfinite(along(i))) seen.push_back(static_cast<int>(i));
   const std::size_t shown = std::min(kPoints, seen.size());
   for (std::size_t n = 0; n < shown; ++n) {
     const auto i = static_cast<std::size_t>(seen[n * seen.size() / shown]);
     view.x.push_back(raw[rows.space[i]]);
-    view.y.push_back(-rows.residual[i] / factor[rows.space[i]]);
+    view.y.push_back(along(i));
   }
 }
 
@@ -216,6 +219,26 @@ VariableView viewOf(const Variable& variable, const Directions& directions, cons
 
 }  // namespace
 
+double residualAlong(double residual, double factor, double largest) {
+  constexpr double kLeast = 0.5;  // of the largest factor: a touch from the side tells little
+  return std::abs(factor) > 0.0 && std::abs(factor) >= kLeast * largest ? -residual / factor : kNotMeasured;
+}
+
+void dropUnmeasured(Directions& directions) {
+  constexpr double kTellsNothing = 0.02;  // of the largest factor of all
+  if (directions.names.empty() || directions.factors.rows() == 0) return;
+  const double least = kTellsNothing * directions.factors.cwiseAbs().maxCoeff();
+  Directions measured;
+  for (std::size_t d = 0; d < directions.names.size(); ++d) {
+    const Eigen::VectorXd column = directions.factors.col(static_cast<Eigen::Index>(d));
+    if (column.cwiseAbs().maxCoeff() < least) continue;
+    measured.names.push_back(directions.names[d]);
+    measured.factors.conservativeResize(column.size(), static_cast<Eigen::Index>(measured.names.size()));
+    measured.factors.rightCols<1>() = column;
+  }
+  directions = std::move(measured);
+}
+
 std::vector<VariableView> residualsByVariable(const CalibrationResult& fitted,
                                               const CalibrationResult* improved,
                                               const std::vector<WhereItFails>& where) {
@@ -232,7 +255,8 @@ std::vector<VariableView> residualsByVariable(const CalibrationResult& fitted,
     rows.improved.push_back(paired ? improved->residuals[row] / unit : kNotMeasured);
     rows.weight.push_back(unit * unit / (fitted.sigma[row] * fitted.sigma[row]));
   }
-  const Directions directions = directionsOf(space);
+  Directions directions = directionsOf(space);
+  dropUnmeasured(directions);
   std::vector<VariableView> views;
   if (rows.space.empty() || directions.names.empty()) return views;
   removeConstants(rows, directions.factors);

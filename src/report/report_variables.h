@@ -4,11 +4,21 @@
 
 #include "diagnosis/diagnose.h"
 #include "estimation/calibrate.h"
+#include "estimation/noise_rows.h"
 
 namespace mm {
 
-/// What is left of the error in one bin of a variable: the displacement along the variable's direction that
-/// would remove it, and its standard error. In um (arcsec for angular sessions).
+/// The residual of one row as a deviation along a direction, measured minus model: how much further than the
+/// model says the probe went, whatever measured it (a contact on a ball, an instrument). Not finite where the
+/// row tells little of this direction. @param factor of the row, and `largest` amount of the factors of all
+/// (Directions).
+double residualAlong(double residual, double factor, double largest);
+
+/// Takes out the directions that no row tells of but by rounding: a residual along them would be of any size.
+void dropUnmeasured(Directions& directions);
+
+/// The mean residual in one bin of a variable, as a deviation along the variable's direction, and its
+/// standard error. In um (arcsec for angular sessions).
 struct VariableBin {
   double at = 0.0;  // mean of the variable in the bin, in its unit; the level's number for a category
   double mean = 0.0, standardError = 0.0;
@@ -16,7 +26,8 @@ struct VariableBin {
   int count = 0;
 };
 
-/// The residual against one variable, along the direction in which the variable explains most of it.
+/// The residual, measured minus model, against one variable, along the direction in which the variable
+/// explains most of it.
 struct VariableView {
   std::string name;  // as in Diagnosis::where
   std::string unit;  // mm, deg, s, degC …; empty: none

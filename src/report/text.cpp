@@ -6,8 +6,10 @@
 #include "base/quantity_words.h"
 #include "base/units.h"
 #include "design/weak_directions.h"
+#include "effects/linearity.h"
 #include "report/found_features.h"
 #include "report/quantiles.h"
+#include "report/symbols_of.h"
 #include "report/text_parts.h"
 #include "session/session_summary.h"
 
@@ -33,10 +35,11 @@ std::string figuresText(const CalibrationResult& r) {
 
 std::string parametersText(const CalibrationResult& r) {
   const Model& model = r.problem->model();
+  const ErrorSymbols symbols = symbolsOf(r);
   std::string text;
   for (std::size_t e = 0; e < model.effects().size(); ++e) {
     const Effect& effect = *model.effects()[e];
-    text += "  " + inWords(effect.spec()) + "\n";
+    text += "  " + inWords(effect.spec(), symbols) + "\n";
     if (const LearnedNetwork* learned = effect.network()) text += "    " + learned->summary + "\n";
     for (int k = 0; k < effect.parameterCount(); ++k) {
       const int i = model.offset(static_cast<int>(e)) + k;
@@ -48,7 +51,7 @@ std::string parametersText(const CalibrationResult& r) {
               "\n";
     }
   }
-  return text.empty() ? "  none: the machine as its scales read\n" : text;
+  return text.empty() ? "  none: the machine as its scales indicate\n" : text;
 }
 
 std::string lostText(const CalibrationResult& r) {
@@ -59,7 +62,7 @@ std::string lostText(const CalibrationResult& r) {
     text += "  " + l.inWords + "\n    held: " + displayName(*r.problem, l.fixedUnknown) + " = " +
             sixDigits(r.x[l.fixedUnknown] * fixed.toUnit) +
             (l.byConvention  ? ", by convention"
-             : l.noInfluence ? ", as nothing measured here depends on it"
+             : l.noInfluence ? ", because no measurement here depends on it"
                              : "") +
             "; " + l.wouldShow + "\n";
   }
@@ -110,15 +113,19 @@ std::string noiseText(const CalibrationResult& r) {
   const std::string from = r.repeatabilityFrom == "declared"   ? "declared"
                            : r.repeatabilityFrom == "repeated" ? r.repeated.inWords
                                                                : "estimated from the residuals";
-  std::string text = "  Repeatability  " + length(r.repeatability, angular) + ", " + from + "\n";
+  const bool exact = r.repeatabilityFrom == "estimated" && r.figures.degreesOfFreedom == 0;
+  std::string text =
+      "  Repeatability  " +
+      (exact ? "not known: degrees of freedom 0" : length(r.repeatability, angular) + ", " + from) + "\n";
   if (r.repeatabilityFrom != "estimated")
-    text += format("  chi2 / dof     %.4g (1: nothing but noise is left)\n", r.figures.chi2PerDof);
+    text += format("  chi2 / dof     %.4g (1: only noise is left)\n", r.figures.chi2PerDof);
   if (r.centresStd > 0.0 || r.radiiStd > 0.0) {
     const auto by = [](double std, const char* what) {
       return std > 0.0 ? std::string(what) + " by " + length(std, false) : std::string();
     };
     text += "  Artifact       its " + std::to_string(r.problem->session().artifact.features.size()) +
-            " balls scatter about their file, " + by(r.centresStd, "each coordinate of a centre") +
+            " balls scatter about their values in the file, " +
+            by(r.centresStd, "each coordinate of a centre") +
             (r.centresStd > 0.0 && r.radiiStd > 0.0 ? ", " : "") + by(r.radiiStd, "radii") +
             " (standard deviation); the uncertainties allow for it\n";
   }
@@ -127,9 +134,11 @@ std::string noiseText(const CalibrationResult& r) {
     const bool turns =
         joint >= 0 &&
         r.problem->model().domain().joints[static_cast<std::size_t>(joint)].kind == JointKind::kRotary;
-    text += "  Drift          " + d.direction + " drifts by " + length(d.std, turns) +
-            " RMS with a time constant of " + durationInWords(d.timeConstant) +
-            "; the uncertainties allow for it\n";
+    text += "  In time        residuals " +
+            (d.direction == "approach" ? "along the approach" : "of " + d.direction) +
+            " follow their neighbours: " + length(d.std, turns) + " RMS over " +
+            durationInWords(d.timeConstant) +
+            ", by drift or by an effect that the model lacks; the uncertainties allow for it\n";
   }
   return text;
 }
@@ -151,6 +160,18 @@ std::string featuresText(const CalibrationResult& r) {
   return "Found in workpiece (centres of balls, points)\n" + text;
 }
 
+/// A genetic algorithm has nothing to search where least squares has one minimum.
+std::string withoutSearch(const CalibrationResult& r) {
+  if (!r.genetic || r.genetic->evaluations == 0) return {};
+  const auto& effects = r.problem->model().effects();
+  const bool linear = std::all_of(effects.begin(), effects.end(), [](const EffectPtr& e) {
+    return static_cast<int>(linearParameters(*e).size()) == e->parameterCount();
+  });
+  return linear ? "                  (every parameter is linear: --method least_squares finds the same "
+                  "without a search)\n"
+                : "";
+}
+
 /// Why a genetic algorithm may be better than what was refined: it fits every ball's centre for itself.
 std::string freerCentres(const CalibrationResult& r) {
   if (!r.genetic || r.genetic->evaluations == 0) return {};
@@ -159,9 +180,8 @@ std::string freerCentres(const CalibrationResult& r) {
   const bool held = std::any_of(features.begin(), features.end(),
                                 [](const Feature& f) { return f.kind == FeatureKind::kBall && f.known; });
   if (!held || !(r.genetic->rms < refined)) return {};
-  return "                  (lower: each ball's centre was free; the refinement keeps them where the "
-         "artifact "
-         "has them)\n";
+  return "                  (lower: each ball centre was free; the refinement holds them at the artifact's "
+         "values)\n";
 }
 
 }  // namespace
@@ -198,7 +218,9 @@ std::string calibrateText(const CalibrationResult& r) {
                               r.genetic->generations, r.genetic->evaluations, r.genetic->seconds,
                               static_cast<unsigned long long>(r.genetic->seed), r.genetic->stop.c_str())) +
             "\n";
-  text += freerCentres(r);
+  else
+    text += "  least squares   from the start values of the model, no search\n";
+  text += freerCentres(r) + withoutSearch(r);
   text += "  refined         RMS " + length(angular ? r.figures.rmsAngular : r.figures.rms, angular) +
           format(", %d iterations, %s\n", r.iterations, r.stop.c_str());
   if (r.genetic && r.genetic->curve.size() > 1) text += curveText(*r.genetic, angular);

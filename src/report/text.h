@@ -23,7 +23,7 @@ std::string compareText(const CalibrationResult& compared, const std::vector<Whe
 std::string diagnoseText(const Diagnosis& diagnosis, const std::string& session,
                          const std::string& calibration);
 /// Each step of the model, with the error as it fell. @param angular figures are in rad.
-std::string ledgerText(const std::vector<LedgerEntry>& ledger, bool angular);
+std::string ledgerText(const Calibration& calibration, bool angular);
 /// The best RMS of each generation as a small plot.
 std::string curveText(const GeneticSummary& genetic, bool angular);
 /// The same as CSV: `generation,rms_um` (or `rms_arcsec`).

@@ -69,9 +69,9 @@ std::string whereText(const std::vector<WhereItFails>& where) {
             padded(format("%5.1f %%   p = %.1g", 100.0 * w.share, w.pValue), 24) +
             format("%5.1f %%   p = %.1g\n", 100.0 * w.shareBeside, w.pBeside);
   }
-  if (text.empty()) return "Where it fails: no variable explains what is left.\n";
+  if (text.empty()) return "Where it fails: no variable explains the residuals.\n";
   return "Where it fails: share of the residual variance\n  " + padded("", 26) + padded("alone", 24) +
-         "beside those above\n" + text;
+         "in addition to those above\n" + text;
 }
 
 bool angularOnly(const CalibrationResult& result) {

@@ -45,7 +45,7 @@ std::string figureLine(const QuantityUncertainty& q) {
 
 std::string budgetText(const QuantityUncertainty& q) {
   std::string text;
-  if (q.budget.empty()) return "Nothing that the calibration knows makes it uncertain.\n";
+  if (q.budget.empty()) return "The calibration contains no source of uncertainty.\n";
   text += "Variance by cause:\n";
   for (const UncertaintyShare& s : q.budget)
     if (s.share >= 0.0005)
@@ -106,12 +106,12 @@ std::string uncertaintyText(const TaskUncertainty& result, const std::vector<Tas
           millimetres(headline.lower, headline.std) + " and " + millimetres(headline.upper, headline.std) +
           " mm; " + std::to_string(result.trials) + " trials, seed " + std::to_string(result.seed) + "\n";
   if (!result.stable)
-    text += wrapped("", "The last digit is not stable yet: state more --trials, or --digits 1.");
+    text += wrapped("", "The last digit is not stable yet: give more --trials, or --digits 1.");
   text += budgetText(headline);
   const std::vector<TestLength> lengths = testLengthsOf(result);
   if (lengths.size() > 1) {
-    text += wrapped("", "Each length, for itself, keeps |E| + U within " + permissibleFor(lengths).inWords() +
-                            " (L in mm).");
+    text += wrapped("", "Each length individually satisfies |E| + U within " +
+                            permissibleFor(lengths).inWords() + " (L in mm).");
     if (const QuantityUncertainty* probing = probingOf(result))
       text += probing->quantity.name + ": " + figureLine(*probing) + "\n";
   } else {

@@ -110,7 +110,7 @@ std::string verifyJson(const Verification& v) {
 std::string verifyText(const Verification& v) {
   std::ostringstream out;
   out << v.inWords << "\n\n"
-      << "  what the fresh points say                    uncorrected        remains (k = 2)\n";
+      << "  result at the fresh points                   uncorrected        remains (k = 2)\n";
   for (const RemainingOfAxis& axis : v.axes) out << shareLine("axis " + axis.axis, axis, v);
   if (v.offsets) out << shareLine("external offsets", *v.offsets, v);
   for (const RemainingOfEffect& effect : v.effects) out << shareLine(inWords(effect.effect), effect, v);
@@ -123,7 +123,7 @@ std::string verifyText(const Verification& v) {
           << expanded(p.change, p.std, p.unit) << "\n";
   for (const VerifyRival& rival : v.rivals)
     out << "  not excluded: " << rival.inWords << format(" (odds %.2g to 1)\n", rival.odds);
-  if (!v.outliers.empty()) out << "  " << v.outliers.size() << " residuals stand apart and were left out\n";
+  if (!v.outliers.empty()) out << "  " << v.outliers.size() << " outliers were left out\n";
   return out.str();
 }
 

@@ -59,8 +59,8 @@ JointAtTrip elsewhere(const Joint& joint, const measuring_machine::ProbeLatch& t
                      std::to_string(1e3 * apart) + " ms, uncertainties included, while it moved at " +
                      std::to_string(nearest->velocity) + (turns ? " rad/s" : " m/s") +
                      "; the latches are not synchronised, no contact was published");
-  throw InputError("joint '" + joint.name + "' was not latched, and it cannot be said that it rested: " +
-                   rest.why + "; wire the probe's switch to its controller too, or let it rest");
+  throw InputError("joint '" + joint.name + "' was not latched, and it is not certain that it stood still: " +
+                   rest.why + "; wire the probe's switch to its controller as well, or keep it at rest");
 }
 
 Eigen::Vector3d approachOf(const measuring_machine::ProbeContact& contact, const Machine& machine) {
@@ -123,7 +123,8 @@ measuring_machine::ProbeContact contactOf(const measuring_machine::ProbeLatch& t
                                           const RestingJoints& resting, const Machine& machine,
                                           const LatchTolerance& tolerance) {
   if (!trip.probing && !std::isfinite(trip.laser_reading))
-    throw InputError("the probe tripped outside of a probing move: a collision? No contact was published");
+    throw InputError(
+        "the probe triggered outside a probing move, possibly a collision; no contact was published");
   measuring_machine::ProbeContact contact;
   contact.header = trip.header;
   contact.laser_reading = trip.laser_reading;
@@ -134,7 +135,7 @@ measuring_machine::ProbeContact contactOf(const measuring_machine::ProbeLatch& t
     const bool own = std::count(trip.name.begin(), trip.name.end(), joint.name) > 0;
     const std::optional<JointAtTrip> at =
         own ? latchedIn(trip, joint.name) : elsewhere(joint, trip, others, resting, tolerance);
-    if (!at) throw InputError("the controller latched no position at the trip; no contact was published");
+    if (!at) throw InputError("the controller latched no position at the trigger; no contact was published");
     contact.name.push_back(joint.name);
     contact.position.push_back(at->position);
     contact.velocity.push_back(at->velocity);

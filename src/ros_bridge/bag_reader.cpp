@@ -66,7 +66,7 @@ BagReader::BagReader(const std::filesystem::path& file) : path_(file) {
   if (std::filesystem::is_directory(file, error))
     throw InputError(file.string() + ": is a folder, not a bag");
   if (std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error))
-    throw InputError(file.string() + ": is no file (a device or a pipe), but a bag is one");
+    throw InputError(file.string() + ": is not a regular file (a device or a pipe)");
   errno = 0;
   in_.open(file, std::ios::binary);
   if (!in_) {
@@ -89,8 +89,8 @@ BagReader::BagReader(const std::filesystem::path& file) : path_(file) {
 void BagReader::refuseIfTheDiskFails() const {
   if (in_.bad())
     throw InputError(path_.string() +
-                     ": the bag cannot be read to its end: the disk reports an error; read it again, "
-                     "or copy it from elsewhere");
+                     ": the bag cannot be read to its end: the disk reports an error; read it again, or use "
+                     "another copy");
 }
 
 std::vector<BagConnection> BagReader::indexedConnections() {

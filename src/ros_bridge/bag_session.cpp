@@ -32,7 +32,7 @@ class TemporaryFile {
   void putInPlace() {
     std::error_code error;
     std::filesystem::rename(path_, target_, error);
-    if (error) throw InputError(target_.string() + ": cannot be put in place: " + error.message());
+    if (error) throw InputError(target_.string() + ": cannot be moved into place: " + error.message());
     done_ = true;
   }
 
@@ -164,7 +164,7 @@ class SessionWriter {
 void writeSessionBag(const Session& session, const std::filesystem::path& file,
                      const ProgressCallback& progress, const std::vector<MotionSample>& motion) {
   if (session.observations.empty())
-    throw InputError(session.source + ": the session is empty; nothing to write");
+    throw InputError(session.source + ": the session is empty, so nothing is written");
   TemporaryFile temporary(file);
   BagWriter bag(temporary.path(), file.string());
   Session whole = session;  // nothing that was measured is lost

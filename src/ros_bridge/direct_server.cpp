@@ -98,7 +98,7 @@ DirectServer::DirectServer() {
       getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size) != 0) {
     const std::string why = std::strerror(errno);
     if (listener_ >= 0) close(listener_);
-    throw Error("no port for the stop: " + why);
+    throw Error("no port for the stop service: " + why);
   }
   port_ = ntohs(address.sin_port);
 }
@@ -157,7 +157,8 @@ void DirectServer::accept() {
       one = connections_.erase(one);
     }
     if (connections_.size() >= kMostConnections) {
-      ROS_ERROR_THROTTLE(1.0, "more than %zu connections to the stop: one was refused", kMostConnections);
+      ROS_ERROR_THROTTLE(1.0, "more than %zu connections to the stop service: one was refused",
+                         kMostConnections);
       close(socket);
       continue;
     }
@@ -167,7 +168,7 @@ void DirectServer::accept() {
       try {
         serve(connection.socket);
       } catch (const std::exception& e) {
-        ROS_ERROR("a call of the stop was not made, the request is damaged: %s", e.what());
+        ROS_ERROR("a stop request was not executed because it is damaged: %s", e.what());
       }
       ::shutdown(connection.socket, SHUT_RDWR);
       connection.ended = true;

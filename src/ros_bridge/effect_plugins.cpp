@@ -73,12 +73,12 @@ void load(Loader& loader, const std::string& name, const PluginTrouble& trouble)
                        "; build it again");
     registerEffectType(pluginEffectType(type, origin, trouble));
   } catch (const pluginlib::CreateClassException&) {
-    trouble(origin + " is left out: its library has no class " + loader.getClassType(name) +
+    trouble(origin + " is ignored: its library has no class " + loader.getClassType(name) +
             "; export it with PLUGINLIB_EXPORT_CLASS, or correct the plugin's xml");
   } catch (const std::exception& e) {
-    trouble(origin + " is left out: " + firstLine(e.what()));
+    trouble(origin + " is ignored: " + firstLine(e.what()));
   } catch (...) {
-    trouble(origin + " is left out: it threw something that is no std::exception");
+    trouble(origin + " is ignored: it threw something that is not a std::exception");
   }
 }
 

@@ -97,7 +97,7 @@ void LiveSession::beginAgainIfBack(const measuring_machine::ProbeContact& messag
     behind_ = message;
     return;
   }
-  ROS_WARN("the clock went back: the live session begins anew");
+  ROS_WARN("the clock went back: a new live session begins");
   collector_.dropAfter(first);
   collector_.addContact(*behind_);
   behind_.reset();
@@ -112,7 +112,7 @@ void LiveSession::takeArtifact(const measuring_machine::Artifact& message) {
     if (stamp < artifact_) collector_.dropAfter(nanoseconds(stamp));
     collector_.dropBefore(nanoseconds(stamp));
     wrong_.clear();
-    if (before > 0) ROS_INFO("a new session begins; the %zu contacts before it are forgotten", before);
+    if (before > 0) ROS_INFO("a new session begins; the %zu earlier contacts are discarded", before);
   }
   if (!stamp.isZero()) artifact_ = stamp;
   lock.unlock();

@@ -61,7 +61,7 @@ void MasterWatch::run() {
     try {
       look();
     } catch (const XmlRpc::XmlRpcException& e) {
-      ROS_ERROR("the ROS master answers what cannot be understood: %s", e.getMessage().c_str());
+      ROS_ERROR("the answer of the ROS master cannot be read: %s", e.getMessage().c_str());
     }
   }
 }
@@ -85,9 +85,8 @@ void MasterWatch::look() {
     if (!known_) return;
     if (!away_)
       ROS_ERROR(
-          "the ROS master at %s does not answer: what is connected continues, nothing new can connect; start "
-          "it "
-          "again, and this node registers again by itself",
+          "the ROS master at %s does not answer: existing connections continue, new ones are impossible; "
+          "restart it, and this node will register again by itself",
           uri.c_str());
     away_ = true;
     return;
@@ -154,7 +153,7 @@ bool MasterWatch::registerAgain() {
     done = call("registerService", service, uri, node, answer) && done;
   if (done)
     ROS_WARN(
-        "the ROS master at %s is a new one: this node is registered again, with %zu topics and %zu services",
+        "the ROS master at %s was restarted: this node is registered again, with %zu topics and %zu services",
         ros::master::getURI().c_str(), topics.size(), services_.size());
   return done;
 }

@@ -224,7 +224,7 @@ Observation fromMessage(const measuring_machine::ReferenceMeasurement& message, 
   const bool anyDeviation = !unlessAllNaN(deviation).empty();
   const bool anyLength = !message.feature.empty();
   if (anyPosition + anyDeviation + anyLength > 1)
-    throw InputError("a position, a deviation or a length at once; send each as a message of its own");
+    throw InputError("more than one of position, deviation and length; send each as a separate message");
   if (anyPosition + anyDeviation + anyLength == 0)
     throw InputError("neither a position nor a deviation nor a length was measured");
   o.kind = anyDeviation ? ObservationKind::kDeviation

@@ -36,13 +36,13 @@ Machine machineFromParameter(const ros::NodeHandle& node) {
   const Machine machine(urdf, "robot_description");
   if (!serialOf(machine).empty() && serialOf(machine) != serial)
     throw InputError("parameter '" + serialKey + "' is '" + serial + "', but the URDF says '" +
-                     serialOf(machine) + "'; one of them must go");
+                     serialOf(machine) + "'; remove one of them");
   const bool plain = std::all_of(serial.begin(), serial.end(), [](unsigned char c) {
     return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.' || c == ' ' || c == '/';
   });
   if (!plain)
     throw InputError("parameter '" + serialKey + "' is '" + serial +
-                     "'; letters, digits and -_./ make a serial");
+                     "'; a serial consists of letters, digits and -_./");
   const std::size_t end = urdf.rfind("</robot>");
   if (serialOf(machine).empty() && end != std::string::npos)
     urdf.insert(end, "<serial>" + serial + "</serial>\n");

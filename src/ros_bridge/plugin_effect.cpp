@@ -86,7 +86,7 @@ class PluginEffect final : public Effect {
     if (parameters_.empty()) throw InputError("parameters() is empty");
     nature_.linear = nature_.nonlinear.empty();
     if (nature_.nonlinear.size() == parameters_.size())
-      throw InputError("an effect needs a parameter that it is linear in: its size");
+      throw InputError("an effect needs a parameter in which it is linear: its size");
     checkLinear(domain);
   }
 
@@ -142,7 +142,7 @@ class PluginEffect final : public Effect {
       } catch (const std::exception& error) {
         effect_.failed(error.what(), e);
       } catch (...) {
-        effect_.failed("something that is no std::exception", e);
+        effect_.failed("something that is not a std::exception", e);
       }
       for (int j = 0; j < layout.joints(); ++j)
         for (int k = 0; k < 3; ++k) {
@@ -195,7 +195,7 @@ class PluginEffect final : public Effect {
   };
 
   void failed(const std::string& what, plugin::Error& e) const {
-    (*origin_.trouble)(origin_.name + ": " + spec_.yaml() + " threw where it was evaluated: " + what +
+    (*origin_.trouble)(origin_.name + ": " + spec_.yaml() + " threw during evaluation: " + what +
                        "; its inputs count as not known there");
     constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
     for (int k = 0; k < 3; ++k) e.volume[k] = kUnknown;
@@ -244,8 +244,8 @@ class PluginEffect final : public Effect {
             std::abs(value[s] - sum[s]) <= kRounding * (std::abs(value[s]) + std::abs(sum[s])))
           continue;
         throw InputError(
-            "its error is not linear in the parameters that have no `search`; give one to those that it is "
-            "not linear in");
+            "its error is not linear in the parameters without `search`; give `search` to the nonlinear "
+            "ones");
       }
     }
   }

@@ -19,8 +19,8 @@ void append(std::deque<Entry>& entries, Entry entry) {
 }
 
 std::string motionOf(const measuring_machine::AxisStatus& status) {
-  if (status.moving) return "its driver says that it moves";
-  if (!status.homed) return "its driver says that it is not homed";
+  if (status.moving) return "its driver reports that it is moving";
+  if (!status.homed) return "its driver reports that it is not homed";
   if (status.emergency_stop) return "its driver is in emergency stop";
   if (!status.fault.empty()) return "its driver says: " + status.fault;
   return {};
@@ -49,7 +49,7 @@ RestingJoints::Rest RestingJoints::over(const Joint& joint, const ros::Time& fro
   Rest rest;
   const auto found = joints_.find(joint.name);
   if (found == joints_.end() || found->second.positions.empty() || found->second.said.empty()) {
-    rest.why = "no driver tells where it is";
+    rest.why = "no driver reports its position";
     return rest;
   }
   const std::deque<Position>& positions = found->second.positions;
@@ -63,7 +63,7 @@ RestingJoints::Rest RestingJoints::over(const Joint& joint, const ros::Time& fro
     return rest;
   }
   const std::deque<Said>& said = found->second.said;
-  if (said.front().stamp > from) rest.why = "its driver said nothing before the contact";
+  if (said.front().stamp > from) rest.why = "its driver sent nothing before the contact";
   for (std::size_t i = 0; i < said.size() && rest.why.empty(); ++i)
     if (said[i].stamp <= to && (i + 1 == said.size() || said[i + 1].stamp > from)) rest.why = said[i].why;
   if (!rest.why.empty()) return rest;

@@ -23,14 +23,14 @@ void SessionCollector::refuse(const std::string& topic, std::size_t number, cons
 bool SessionCollector::roomFor(const char* topic, std::size_t number, std::int64_t stamp) {
   if (most_ == 0 || observationCount() < most_) return true;
   refuse(topic, number,
-         "the session has " + std::to_string(most_) + " measurements, all that are kept; begin a new one",
+         "the session has " + std::to_string(most_) + " measurements, which is the limit; begin a new one",
          stamp);
   return false;
 }
 
 bool SessionCollector::roomForName(const std::map<std::string, Logged>& all, const std::string& name) {
   if (most_ == 0 || all.size() < kMostLoggedNames || all.count(name) != 0) return true;
-  refuse("'" + name + "'", 1, std::to_string(kMostLoggedNames) + " others are logged, all that are kept", 0);
+  refuse("'" + name + "'", 1, std::to_string(kMostLoggedNames) + " others are logged, which is the limit", 0);
   return false;
 }
 
@@ -61,8 +61,8 @@ std::string SessionCollector::lacking(const std::vector<Row>& rows) const {
   for (const Refused& r : refused_) heard += r.topic == "/probe/contact" ? 1 : 0;
   if (heard >= measured) return {};
   return std::to_string(heard) + " of " + std::to_string(measured) +
-         " contacts that were measured are here: the others came before anybody listened or recorded; "
-         "measure those again, or use a bag that has them";
+         " measured contacts were received: the others came before the node or recorder started; measure "
+         "those again, or use a bag that contains them";
 }
 
 }  // namespace mm

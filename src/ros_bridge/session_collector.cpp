@@ -277,10 +277,10 @@ std::vector<Series> SessionCollector::series(const std::map<std::string, Logged>
   for (const auto& [name, logged] : all) {
     if (logged.lost > 0)
       warning += (warning.empty() ? "" : "; ") + std::to_string(logged.lost) + " readings of '" + name +
-                 "' are not numbers and were left out";
+                 "' are not numbers and were ignored";
     if (logged.dropped > 0)
       warning += (warning.empty() ? "" : "; ") + std::to_string(logged.dropped) + " readings of '" + name +
-                 "', the oldest of the session, are no longer kept";
+                 "', the oldest of the session, have been dropped";
     auto values = logged.values;
     std::stable_sort(values.begin(), values.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -317,9 +317,9 @@ Session SessionCollector::build() const {
   };
   if (observationCount() == 0) throw empty();
   if (!machine_)
-    throw InputError(source_ + ": topic /robot_description is missing; it says what the machine is");
+    throw InputError(source_ + ": topic /robot_description is missing; it describes the machine");
   if (contactCount_ > 0 && !artifact_)
-    throw InputError(source_ + ": topic /artifact is missing; it says what the contacts touched");
+    throw InputError(source_ + ": topic /artifact is missing; it describes what the contacts touched");
   Session session(*machine_);
   session.source = source_;
   session.compensation = compensation_;

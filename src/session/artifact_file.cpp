@@ -54,8 +54,7 @@ void readFeatures(const YamlMapping& file, const std::string& source, FeatureKin
     const YamlMapping m(node, source, ball ? "a ball" : "a point", known);
     Feature feature = readFeature(m, kind, place);
     if (artifact.findFeature(feature.name) >= 0)
-      m.fail("name",
-             "'" + feature.name + "' is taken by another ball or point; each needs a name of its own");
+      m.fail("name", "'" + feature.name + "' is used by another ball or point; each needs its own name");
     artifact.features.push_back(std::move(feature));
   }
 }
@@ -80,7 +79,7 @@ void readStyli(const YamlMapping& probe, const std::string& source, Artifact& ar
     else if (!artifact.styli.empty())
       m.fail("offset", "is known, but 'offset_mm' is not stated");
     if (artifact.findStylus(stylus.name) >= 0)
-      m.fail("name", "'" + stylus.name + "' is taken by another stylus; each needs a name of its own");
+      m.fail("name", "'" + stylus.name + "' is used by another stylus; each needs its own name");
     artifact.styli.push_back(std::move(stylus));
   }
   artifact.tipRadius = artifact.styli.front().tipRadius;

@@ -14,7 +14,7 @@
 namespace mm {
 namespace {
 
-const char* const kFromApproach = "from the approach at the touch";
+const char* const kFromApproach = "from the approach of the contact";
 const char* const kFromOrder = "from the order of positions";
 
 /// Component of the tip's unit motion below which a joint hardly moves. Of an approach of a millimetre and

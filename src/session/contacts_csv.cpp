@@ -35,7 +35,8 @@ std::string rowFault(const Observation& o, const RowKinds& kinds, const Machine&
   if (kinds.measured() > 1)
     return "a row holds one of feature, length_mm, reference_*_mm and deviation_*; leave the others empty";
   if (kinds.measured() == 0)
-    return "nothing was measured: feature, length, reference and deviation are all empty or have no column";
+    return "the row holds no measurement: feature, length, reference and deviation are all empty or have no "
+           "column";
   if (kinds.length && !kinds.feature)
     return "length_mm: 'feature' must name the point of the artifact file from which it was measured";
   if (kinds.length && !kinds.setup && o.length <= 0.0)
@@ -83,7 +84,7 @@ class FeatureNames {
     const std::vector<std::string> names = allNames(artifact_.features);
     return "feature '" + key + "' is not in artifact '" + artifact_.name + "'" + didYouMean(key, names) +
            (form_.own ? ""
-                      : "; if it is one of them, write into the mapping: features: {" + key + ": " +
+                      : "; if it is one of them, add to the mapping: features: {" + key + ": " +
                             (names.empty() ? "ball" : names.front()) + "}");
   }
 
@@ -225,7 +226,7 @@ class TableReader {
     const bool words = cells_.size() < form_.columns.size() && cells_.size() <= 2 &&
                        line.find_first_of("0123456789") == std::string_view::npos;
     if (words || (sumsUp(cells_) && features_.find(*first) < 0)) {
-      notes_.push_back("line " + std::to_string(line_) + " is no row and was left out: '" +
+      notes_.push_back("line " + std::to_string(line_) + " is not a data row and was skipped: '" +
                        std::string(line.substr(0, 60)) + "'");
       return false;
     }
@@ -349,7 +350,7 @@ class TableReader {
       const double direction = directionOf(cell);
       if (direction == 0.0)
         fail(column, ": '" + std::string(cell) +
-                         "' is no direction; write + or - (up and down, forward and reverse, 1 and -1 are "
+                         "' is not a direction; write + or - (up and down, forward and reverse, 1 and -1 are "
                          "understood)");
       o.travel.resize(zeroUnlessColumn_.size(), 0.0);
       o.travel[column.index] = direction;

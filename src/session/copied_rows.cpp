@@ -133,16 +133,16 @@ std::vector<CopiedRow> copiedRows(const Session& session) {
     const auto [same, isNew] = kept.emplace(contentOf(session, all[i], Content::kWritten), i);
     if (!isNew)
       copies.push_back(
-          {i, is(same->second) + " once more, to the same time and the last digit; it counts once"});
+          {i, is(same->second) + " once more, to the same time and the last digit; it is used once"});
   }
   // Nothing that is measured repeats itself so.
   constexpr std::size_t kPasted = 10;
   for (const RepeatedStretch& stretch : repeatedStretches(session, kPasted, true))
     for (std::size_t i = stretch.begin; i < stretch.begin + stretch.length; ++i)
-      copies.push_back(
-          {i, is(i - stretch.distance) + format(" once more, to the last digit, and so are %zu rows in a "
-                                                "row: a run that was pasted or read twice; it counts once",
-                                                stretch.length)});
+      copies.push_back({i, is(i - stretch.distance) + format(" once more, to the last digit, and so are %zu "
+                                                             "rows in a row: a run that was pasted or read "
+                                                             "twice; it is used once",
+                                                             stretch.length)});
   return copies;
 }
 

@@ -11,7 +11,7 @@ inline constexpr const char* kCopiedRow = "row";
 
 struct CopiedRow {
   std::size_t row = 0;  // index of the observation
-  std::string why;  // "is line 19 of c.csv once more, to the same time and the last digit; it counts once"
+  std::string why;  // "is line 19 of c.csv once more, to the same time and the last digit; it is used once"
 };
 
 /// Rows that are another one once more, whose noise would be taken for smaller than it is: of the same time,

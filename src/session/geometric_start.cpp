@@ -260,11 +260,12 @@ void startFreeFeatures(Session& session) {
     } else if (const auto begin = beginOf(measured)) {
       feature.position = *begin;
     } else {
-      throw InputError(
-          session.source + ": where '" + feature.name + "' stands is not told by its " +
-          std::to_string(measured.tips.size()) +
-          " lengths (too few, or all tips on a plane); state about where in the artifact file: " +
-          "position_mm: [x, y, z]");
+      throw InputError(session.source + ": where '" + feature.name + "' is cannot be determined from its " +
+                       std::to_string(measured.tips.size()) +
+                       " lengths (too few, or all tip positions on a plane); give its approximate position "
+                       "in the artifact "
+                       "file: " +
+                       "position_mm: [x, y, z]");
     }
   }
 }

@@ -119,7 +119,7 @@ class GrossRows {
     c.samePlace = 60;
     for (const std::size_t i : standAlone(c))
       name(i, "time", format("%.6g s", c.values[i] - c.lower),
-           format("counted from the first of the others, which last %.6g s; correct the time, or leave the "
+           format("counted from the first of the others, which span %.6g s; correct the time, or leave the "
                   "row out",
                   c.upper - c.lower));
   }
@@ -314,7 +314,8 @@ class GrossRows {
       aside.field = (temperature ? "temperature " : "") + series.name;
       aside.value = format("%.6g %s", series.value[i], series.unit.c_str());
       aside.why = format(
-          "at %.6g s; all others are within %.6g … %.6g %s; what is logged before and after is taken there",
+          "at %.6g s; all others are within %.6g … %.6g %s; values logged before and after it are used "
+          "instead",
           series.time[i], c.lower, c.upper, series.unit.c_str());
       aside.logged = SetAside::LoggedValue{series.name, temperature, series.time[i], series.value[i]};
       session_.setAside.push_back(std::move(aside));

@@ -21,7 +21,7 @@ void FaultList::throwIfAny() const {
   if (faults_.size() == 1) throw InputError(faults_.front());
   std::vector<std::string> all = faults_;
   if (more_ > 0)
-    all.push_back("and " + std::to_string(more_) + " faults more of that file; correct these first");
+    all.push_back("and " + std::to_string(more_) + " more faults in that file; correct these first");
   throw InputFaults(std::move(all));
 }
 

@@ -35,7 +35,7 @@ std::string differenceOf(const Feature& a, const Feature& b) {
   if (a.kind != b.kind) return "is a ball in one and a point in the other";
   if (a.known != b.known) return "is known in one and free in the other";
   if (a.known && a.position != b.position)
-    return format("is told %.4g um away from where it is in", (a.position - b.position).norm() / kMicrometre);
+    return format("is %.4g um away from its position in", (a.position - b.position).norm() / kMicrometre);
   if (a.radius != b.radius)
     return format("has a radius that differs by %.4g um from that in", (b.radius - a.radius) / kMicrometre);
   return {};
@@ -45,15 +45,15 @@ void checkSame(const Session& first, const Session& s) {
   const std::string difference = differenceOf(first.machine, s.machine, "in " + nameOf(s));
   if (!difference.empty())
     refuse(s, first, "was measured on another machine (" + difference + ") than",
-           "sessions of one machine are judged together");
+           "only sessions of one machine can be evaluated together");
   if (!(first.compensation == s.compensation))
     refuse(s, first, "was measured with another compensation in the controller than",
-           "sessions with the same one are judged together");
+           "only sessions with the same compensation can be evaluated together");
   if (first.hasLaser() != s.hasLaser())
     refuse(s, first,
            std::string("was measured by ") +
                (s.hasLaser() ? "a laser, not by touch as" : "touch, not by a laser as"),
-           "judge sessions of one kind of probe together");
+           "evaluate only sessions with one kind of probe together");
   if (first.artifact.name.empty() || s.artifact.name.empty()) return;
   if (first.artifact.name != s.artifact.name)
     refuse(s, first, "measured the artifact '" + s.artifact.name + "', not '" + first.artifact.name + "' as",
@@ -97,7 +97,7 @@ void takeArtifact(Session& out, Session& s) {
       const bool both = known.known && one.known;
       if (known.tipRadius != one.tipRadius || (both && known.offset != one.offset))
         refuse(s, out, "stylus '" + one.name + "' has another radius or offset than in",
-               "two styli need two names");
+               "different styli need different names");
       if (one.known) known = one;
     } else {
       at = static_cast<int>(out.artifact.styli.size());
@@ -139,14 +139,14 @@ std::vector<double> inOrder(std::vector<Session>& sessions, std::string& warning
     std::stable_sort(sessions.begin(), sessions.end(),
                      [](const Session& a, const Session& b) { return a.epoch < b.epoch; });
   else
-    warning = "not all sessions bear a date: they are taken in the order given, a day apart";
+    warning = "not all sessions have a date: they are taken in the order given, one day apart";
   std::vector<double> begins = {0.0};
   for (std::size_t i = 1; i < sessions.size(); ++i) {
     const double end = begins.back() + lastTime(sessions[i - 1]);
     begins.push_back(dated ? sessions[i].epoch - sessions[0].epoch : end + kDay);
     if (begins.back() <= end)
       refuse(sessions[i], sessions[i - 1], format("begins %.4g s before the end of", end - begins.back()),
-             "a machine measures one session at a time: is a clock wrong?");
+             "a machine measures one session at a time; is a clock wrong?");
   }
   return begins;
 }

@@ -33,7 +33,7 @@ void readArtifact(const YamlMapping& root, const std::filesystem::path& folder, 
   // Plans also come in goals of actions: no other file is read, whose lines a message would then tell.
   if (file.extension() != ".yaml" && file.extension() != ".yml")
     throw InputError(plan.source + ":" + std::to_string(root.line("artifact")) + ": artifact '" +
-                     file.string() + "' is no artifact file: its name ends in .yaml");
+                     file.string() + "' is not an artifact file, whose name ends in .yaml");
   plan.artifact = loadArtifact(file.is_absolute() ? file : folder / file);
 }
 
@@ -92,7 +92,7 @@ void readPlacements(const YamlMapping& root, Plan& plan) {
     if (m.has("shift_mm")) placement.shift = m.vector("shift_mm", kMillimetre);
     for (const PlanPlacement& other : plan.placements)
       if (other.name == placement.name)
-        m.fail("name", "'" + placement.name + "' is taken by another placement");
+        m.fail("name", "'" + placement.name + "' is used by another placement");
     plan.placements.push_back(std::move(placement));
   }
 }

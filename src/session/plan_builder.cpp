@@ -42,7 +42,7 @@ Eigen::Vector3d PlanBuilder::offset() const {
   const Stylus& stylus = plan_.artifact.styli[static_cast<std::size_t>(stylus_)];
   if (!stylus.offset.allFinite())
     fail("stylus '" + stylus.name +
-         "' has no offset, and cannot be brought to a ball: give 'offset_mm' as good as it is known; with "
+         "' has no offset, so it cannot be moved to a ball: give 'offset_mm' as well as it is known; with "
          "'offset: free' it is estimated");
   return stylus.offset;
 }
@@ -55,7 +55,7 @@ std::vector<double> PlanBuilder::reach(const Eigen::Vector3d& target, std::vecto
   const Eigen::Matrix3d orientation = machine_.nominal(readings.data(), kNotMeasured).orientation;
   if (!placeTip(machine_, target - orientation * offset(), kNotMeasured, readings))
     fail("machine '" + machine_.name() +
-         "' has not three linear joints that reach every direction; give the readings under 'moves'");
+         "' lacks three linear joints that reach every direction; give the readings under 'moves'");
   return readings;
 }
 
@@ -72,7 +72,7 @@ void PlanBuilder::checkLimits(const std::vector<double>& readings) const {
     if (withinLimits(one)) continue;
     const auto [unit, symbol] = readingUnit(joint);
     std::ostringstream text;
-    text << "joint '" << joint.name << "' would go to " << readings[j] / unit << ", but its limits are "
+    text << "joint '" << joint.name << "' would move to " << readings[j] / unit << ", but its limits are "
          << joint.lower / unit << " to " << joint.upper / unit << " " << symbol;
     fail(text.str());
   }
@@ -87,7 +87,7 @@ double PlanBuilder::contactDistance(int feature) const {
 Eigen::Vector3d PlanBuilder::centre(int feature) const {
   const Feature& f = plan_.artifact.features[feature];
   if (!f.position.allFinite())
-    fail("'" + f.name + "' has no position in the artifact; give a start value to find it by");
+    fail("'" + f.name + "' has no position in the artifact; give an approximate position as start value");
   return plan_.placeOf(feature, placement_);
 }
 
@@ -173,7 +173,7 @@ void PlanBuilder::touchFrom(int feature, const std::vector<double>& start, Eigen
   if (aside >= distance) {
     std::ostringstream text;
     text << "the approach passes '" << plan_.artifact.features[feature].name << "' at " << aside / kMillimetre
-         << " mm from its centre, but only within " << distance / kMillimetre << " mm it touches";
+         << " mm from its centre, but contact is only possible within " << distance / kMillimetre << " mm";
     fail(text.str());
   }
   const double way = along - std::sqrt(distance * distance - aside * aside);

@@ -124,8 +124,9 @@ void touchOne(const TouchPlan& t, std::size_t ball, int k, int index, PlanBuilde
   const Eigen::Vector3d approach = t.approach.isZero(0.0) ? lean(normal, t.pole, t.tilt, k) : t.approach;
   if (approach.dot(normal) > -0.15)
     builder.fail(
-        "with this 'approach' the probe would not push on the ball at every point; make 'cone_deg' smaller, "
-        "or let 'pole' point against 'approach'");
+        "with this 'approach' the probe would not press on the ball at every point; reduce 'cone_deg', or "
+        "let "
+        "'pole' point against 'approach'");
   const double speed = t.speeds[index % t.speeds.size()];
   builder.touchAt(feature, builder.centre(feature) + distance * normal, approach, speed, t.rotary, {},
                   t.wait);

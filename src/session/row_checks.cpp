@@ -138,9 +138,10 @@ class RowAsker {
       // an unknown zero is no deviation: their spread counts
       if (range.largest() < kRounding) continue;
       if (moved > 0.0 && range.size() > kTooMuch * moved)
-        doubt(text + "no machine is so far off; are they measured positions, or in another unit?");
+        doubt(text + "no machine has such large errors; are they measured positions, or in another unit?");
       else if (moved > 0.0 && range.largest() < kTooLittle * moved && session_.observations.size() > 2)
-        doubt(text + "no machine is so good; are they in " + (linear(j) ? "millimetres?" : "degrees?"));
+        doubt(text + "no machine has such small errors; are they in " +
+              (linear(j) ? "millimetres?" : "degrees?"));
     }
   }
 
@@ -199,10 +200,10 @@ class RowAsker {
     const auto& all = session_.observations;
     doubt(format("%zu rows from ", longest.length) +
           session_.rowText(all[longest.begin].row, all[longest.begin].recording) +
-          " on are to the last digit those from " +
+          " on are identical to the last digit to those from " +
           session_.rowText(all[longest.begin - longest.distance].row,
                            all[longest.begin - longest.distance].recording) +
-          " on: is a run there twice? (noise would be taken for smaller than it is)");
+          " on: is a run included twice? (the noise would be underestimated)");
   }
 
   const Session& session_;

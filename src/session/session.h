@@ -95,7 +95,7 @@ struct Observation {
 /// A direction of travel that was not recorded and was made from what was.
 struct AssumedInput {
   std::string joint;
-  std::string how;     // "from the approach at the touch", "from the order of positions"
+  std::string how;     // "from the approach of the contact", "from the order of positions"
   double share = 0.0;  // of the observations
 };
 

@@ -155,7 +155,7 @@ std::vector<std::string> setAsideLines(const Session& session) {
   for (const SetAside& aside : session.setAside)
     if (aside.field != kCopiedRow || ++copies <= kCopiesTold) lines.push_back(setAsideText(session, aside));
   if (copies > kCopiesTold)
-    lines.push_back(std::to_string(copies - kCopiesTold) + " more rows are there twice, and count once");
+    lines.push_back(std::to_string(copies - kCopiesTold) + " more rows appear twice and are used once");
   return lines;
 }
 

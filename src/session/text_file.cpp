@@ -85,7 +85,7 @@ void TextFile::decode(std::string bytes) {
   const std::string name = path_.string();
   if (bytes.empty()) throw InputError(name + ": is empty; the first line must name the columns");
   if (startsWith(bytes, "#ROSBAG"))
-    throw InputError(name + ": is a bag, and so a session already; no import is needed");
+    throw InputError(name + ": is a bag, which is a session already; no import is needed");
   if (startsWith(bytes, "PK\x03\x04") || startsWith(bytes, "\xD0\xCF\x11\xE0"))
     throw InputError(name + ": is a workbook or an archive, not text; save the sheet as CSV and import that");
   encoding_ = "UTF-16";

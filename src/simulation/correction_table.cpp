@@ -81,7 +81,7 @@ struct TableText {
     for (std::size_t c = 0; c < cells.size(); ++c) {
       values.push_back(numberIn(cells[c], at(number)) * columns[c].unit);
       if (columns[c].role == Column::Role::kTravel && std::abs(values.back()) != 1.0)
-        throw InputError(at(number) + ": '" + cells[c] + "' is no direction of travel; give -1 or 1");
+        throw InputError(at(number) + ": '" + cells[c] + "' is not a direction of travel; give -1 or 1");
     }
     rows.push_back(std::move(values));
     lines.push_back(number);

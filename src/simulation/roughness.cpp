@@ -106,7 +106,7 @@ void Roughness::change(const std::string& words, const std::string& where) {
                         : equals == std::string::npos ? way.standard
                                                       : sizeOf(item.substr(equals + 1), word, where);
     }
-    if (!known) throw InputError(where + ": '" + word + "' is no way to be rough; possible are " + kWords);
+    if (!known) throw InputError(where + ": '" + word + "' is not a disturbance; available: " + kWords);
   }
 }
 

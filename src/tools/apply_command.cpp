@@ -41,7 +41,7 @@ Calibration chosenCalibration(const ApplyOptions& options) {
 /// What a controller has to add, on a grid.
 void runTable(ApplyOptions& options) {
   if (!options.csv.empty())
-    throw InputError("--table is a grid of its own: leave " + options.csv + " out, or --table");
+    throw InputError("--table makes its own grid: omit " + options.csv + " or --table");
   options.files.input(options.calibration);
   if (options.output != "-") options.files.output("-o", options.output, FileKind::kTable);
   options.files.check();
@@ -60,7 +60,7 @@ void runTable(ApplyOptions& options) {
 void runApply(ApplyOptions& options) {
   if (options.table > 0) return runTable(options);
   if (options.csv.empty())
-    throw InputError("nothing says what to correct: name a CSV of states, or ask for a grid with --table");
+    throw InputError("nothing to correct: name a CSV of states, or give --table for a grid");
   const bool toStandardOutput = options.output == "-";
   options.files.input(options.csv);
   options.files.input(options.calibration);
@@ -99,28 +99,30 @@ void runApply(ApplyOptions& options) {
 
 void addApplyCommand(CLI::App& app, int& /*exitStatus*/) {
   auto options = std::make_shared<ApplyOptions>();
-  CLI::App* command = app.add_subcommand("apply", "Corrects the rows of a CSV by a calibration");
+  CLI::App* command = app.add_subcommand("apply", "Correct the positions in a CSV with a calibration");
   command->add_option("csv", options->csv, "states of the machine, in the import format");
   command->add_option("--calibration", options->calibration,
-                      "the calibration's file (default: the active one)");
+                      "the calibration file (default: the active calibration)");
   command->add_option("--store", options->store, "folder of calibrations (default: $MM_CALIBRATIONS)");
   command->add_option("-o,--output", options->output, "the CSV to write; - for standard output")->required();
   command
       ->add_option("--margin", options->margin,
-                   "how far beyond the calibrated range a row is still valid, as a fraction of the range")
+                   "margin beyond the calibrated range within which a row is still valid, as a fraction of "
+                   "the range")
       ->check(numberWithin(0.0, 10.0))
       ->capture_default_str();
   command
-      ->add_option("--table", options->table,
-                   "instead of a CSV of states: the table that a controller adds to its commands, with so "
-                   "many points along each joint")
+      ->add_option(
+          "--table", options->table,
+          "instead of correcting a CSV, write the table that a controller adds to its commands, with this "
+          "number of points along each joint")
       ->check(wholeNumberWithin(2, 101));
   options->files.declare(*command);
   command->footer(
       "Adds corrected_x_mm, corrected_y_mm, corrected_z_mm (probe tip, or surface point of a laser, in "
       "workpiece),\n"
       "sigma_um (standard deviation of a coordinate, from the calibration) and valid (1 or 0) to each row.\n"
-      "time_s is that of the calibrated session: beyond its end, effects of time are not applied.\n"
+      "time_s counts as in the calibrated session; effects of time are not applied after its end.\n"
       "Example: mm apply states.csv --calibration c.yaml -o corrected.csv");
   command->callback([options] { runApply(*options); });
 }

@@ -60,22 +60,22 @@ void runArtifact(const ArtifactCommand& given) {
   const Calibration calibration = loadCalibration(c.calibration);
   if (!calibration.artifact || calibration.artifact->found.empty())
     throw InputError(c.calibration +
-                     ": tells no artifact: it was calibrated without one, or by an older "
-                     "version; calibrate again with a session that touched one");
+                     ": contains no artifact: it was calibrated without one, or by an older version; "
+                     "calibrate again with a session that measured one");
   std::cout << tableOf(*calibration.artifact);
   bool free = false;
   for (const FoundInArtifact& f : calibration.artifact->found) free |= f.free;
   if (!free)
-    std::cerr
-        << "mm: warning: every position was taken as its file says, and nothing was found: declare them "
-           "free (centre: free) and measure the artifact in several placements"
-        << std::endl;
+    std::cerr << "mm: warning: every position was taken from the artifact file and none was estimated: "
+                 "declare them free (centre: free) and measure the artifact in several placements"
+              << std::endl;
   if (c.output.empty()) return;
   c.files.write(c.output, artifactYaml(foundArtifact(*calibration.artifact)));
   std::cout << "written to " << c.output << '\n';
-  std::cerr << "mm: a calibration does not keep styli, repeatability, expansion and temperature sensor: take "
-               "these lines from the artifact's file before"
-            << std::endl;
+  std::cerr
+      << "mm: a calibration does not store styli, repeatability, expansion and temperature sensor: copy "
+         "these lines from the original artifact file"
+      << std::endl;
 }
 
 }  // namespace
@@ -83,14 +83,15 @@ void runArtifact(const ArtifactCommand& given) {
 void addArtifactCommand(CLI::App& app, int& /*exitStatus*/) {
   auto c = std::make_shared<ArtifactCommand>();
   CLI::App* command = app.add_subcommand(
-      "artifact", "The artifact as the sessions of a calibration found it, as its new file");
+      "artifact", "Write the artifact file with the positions and radii that a calibration estimated");
   command->add_option("calibration", c->calibration, "the calibration file")->required();
   command->add_option("-o,--output", c->output, "the artifact file");
   c->files.declare(*command);
   command->footer(
-      "What was declared free, or known with an uncertainty, has what was found of it; the rest is as it "
-      "was.\n"
-      "Example:\n  mm calibrate flat.bag turned.bag --model model.yaml -o plate.yaml\n"
+      "Quantities declared free, or known with an uncertainty, get their estimates; all others are "
+      "unchanged.\n"
+      "Example:\n"
+      "  mm calibrate flat.bag turned.bag --model model.yaml -o plate.yaml\n"
       "  mm artifact plate.yaml -o plate_measured.yaml");
   command->callback([c] { runArtifact(*c); });
 }

@@ -34,7 +34,7 @@ void print(const BatchSummary& s, const BatchCommand& c) {
   if (!s.complaint.empty()) std::cerr << "mm: warning: snakemake: " << oneLine(s.complaint) << std::endl;
   if (s.left > 0 && !s.stopped)
     std::cerr << "mm: " << s.left << " jobs were not done; " << c.output
-              << "/batch.log says why; run the same line again" << std::endl;
+              << "/batch.log says why; run the same command again" << std::endl;
   if (c.json) {
     printJson(std::cout, {{"folder", c.output},
                           {"jobs", s.jobs},
@@ -51,7 +51,7 @@ void print(const BatchSummary& s, const BatchCommand& c) {
   if (s.failed > 0) std::cout << ", " << s.failed << " failed";
   if (s.left > 0) std::cout << ", " << s.left << " left";
   std::cout << "; " << std::max<std::size_t>(1, static_cast<std::size_t>(s.seconds + 0.5)) << " s\nmm fleet "
-            << c.output << " tells what they say together\n";
+            << c.output << " summarises them\n";
 }
 
 int run(const BatchCommand& c) {
@@ -64,7 +64,7 @@ int run(const BatchCommand& c) {
   const BatchSummary s = runBatch(manifest, ResultsFolder(c.output), c.engine, c.again);
   print(s, c);
   if (s.stopped) {
-    std::cerr << "mm: stopped by Ctrl-C; what is done is kept, and the same line goes on from here"
+    std::cerr << "mm: stopped by Ctrl-C; finished jobs are kept, run the same command to continue"
               << std::endl;
     return kStopped;
   }
@@ -75,31 +75,34 @@ int run(const BatchCommand& c) {
 
 void addBatchCommand(CLI::App& app, int& exitStatus) {
   auto c = std::make_shared<BatchCommand>();
-  CLI::App* command = app.add_subcommand("batch", "Many sessions: the jobs of a manifest, each done once");
+  CLI::App* command = app.add_subcommand("batch", "Process many sessions: run each job of a manifest once");
   command->add_option("manifest", c->manifest, "YAML: sessions, models, steps");
-  command->add_option("-o,--output", c->output, "the folder of results; what is finished in it stays");
-  command->add_option("--engine", c->engine.engine, "where they run: local (this computer) or slurm")
+  command->add_option("-o,--output", c->output, "the folder of results; finished jobs in it are kept");
+  command->add_option("--engine", c->engine.engine, "where jobs run: local (this computer) or slurm")
       ->capture_default_str()
       ->check(CLI::IsMember({"local", "slurm"}));
-  command->add_option("--profile", c->engine.profile, "of Snakemake, for another cluster or other options")
+  command
+      ->add_option("--profile", c->engine.profile, "Snakemake profile, for another cluster or other options")
       ->excludes(command->get_option("--engine"));
   command
       ->add_option("--jobs", c->engine.jobs,
-                   "at a time; 0: one a core of this computer, 100 of Slurm, as the profile says")
+                   "jobs at a time; 0: one per core of this computer, 100 with Slurm, or the number in the "
+                   "profile")
       ->capture_default_str()
       ->check(wholeNumberWithin(0, 100'000));
-  command->add_option("--limit", c->engine.limit, "s that one step may take")
+  command->add_option("--limit", c->engine.limit, "time limit of one step, s")
       ->capture_default_str()
       ->check(wholeNumberWithin(1, 10'000'000));
-  command->add_flag("--again", c->again, "does failed jobs again");
-  command->add_flag("--json", c->json, "the counts as JSON on standard output");
+  command->add_flag("--again", c->again, "run failed jobs again");
+  command->add_flag("--json", c->json, "print the counts as JSON on standard output");
   command->add_flag("--result", c->result, "ends a job in the current folder: for Snakemake")->group("");
   command->footer(
-      "A job that is finished is never done again, whoever was killed in between; one that failed does not "
-      "stop the\n"
-      "others, and says why. Exit status 1: a job failed.\n"
-      "Examples:\n  mm batch manifest.yaml -o results\n  mm batch manifest.yaml -o results --engine slurm "
-      "--jobs 64");
+      "A finished job is never run again, even if the batch is interrupted. A failed job does not stop the "
+      "others\n"
+      "and reports its reason. Exit status 1: a job failed.\n"
+      "Examples:\n"
+      "  mm batch manifest.yaml -o results\n"
+      "  mm batch manifest.yaml -o results --engine slurm --jobs 64");
   command->callback([c, &exitStatus] { exitStatus = run(*c); });
 }
 

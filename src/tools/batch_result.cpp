@@ -71,7 +71,7 @@ void judgeSteps(JobResult& result) {
     result.why = "ended by signal " + std::to_string(status - kSignalled) + " (" +
                  strsignal(status - kSignalled) + ")";
   else
-    result.why = said.empty() ? "exit status " + std::to_string(status) + ", and nothing was said" : said;
+    result.why = said.empty() ? "exit status " + std::to_string(status) + ", without a message" : said;
 }
 
 JobResult judge(const BatchJob& job) {

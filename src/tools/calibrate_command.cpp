@@ -18,7 +18,6 @@
 #include "tools/bounds.h"
 #include "tools/commands.h"
 #include "tools/json_output.h"
-#include "tools/one_line.h"
 #include "tools/output_files.h"
 #include "tools/population_prior.h"
 #include "tools/progress_bar.h"
@@ -47,7 +46,7 @@ std::vector<MutationStage> stagesOf(const std::string& text) {
     char colon = 0;
     if (!(in >> stage.lastGeneration >> colon >> stage.fraction) || colon != ':' || !(in >> std::ws).eof())
       throw InputError("--stages: '" + one +
-                       "' is not <last generation>:<share of half the range>, e.g. 15:1,30:0.5,50:0.05");
+                       "' is not <last generation>:<fraction of half the range>, e.g. 15:1,30:0.5,50:0.05");
     stages.push_back(stage);
   }
   return stages;
@@ -65,32 +64,39 @@ void declareGenetic(CLI::App& command, CalibrateCommand& c) {
         ->check(numberWithin(lower, upper));
   };
   const char* const both = "Genetic algorithm";
-  command.add_option("--population", c.population, "chromosomes [staged_mutation 500, niching 200]")
+  command.add_option("--population", c.population, "population size [staged_mutation 500, niching 200]")
       ->group(both)
       ->check(wholeNumberWithin(2, 10'000'000));
-  command.add_option("--generations", c.generations, "[staged_mutation 100, niching 500]")
+  command
+      .add_option("--generations", c.generations, "number of generations [staged_mutation 100, niching 500]")
       ->group(both)
       ->check(wholeNumberWithin(0, 1'000'000'000));
   const char* const staged = "Genetic algorithm: staged_mutation";
-  add(staged, "--father-share", s.fatherShare, 1e-6, 1.0, "the best share, fathers of the next generation");
+  add(staged, "--father-share", s.fatherShare, 1e-6, 1.0,
+      "fraction of the population, the best, selected as parents");
   command
       .add_option("--stages", c.stages,
-                  "<last generation>:<share of half the range>, … [15:1,30:0.5,50:0.05,75:0.005,100:0.0005]")
+                  "mutation range by generation: <last generation>:<fraction of half the range>, … "
+                  "[15:1,30:0.5,50:0.05,75:0.005,100:0.0005]")
       ->group(staged);
   add(staged, "--survivor-share", s.survivorShare, 0.0, 1.0,
-      "fathers that live on unchanged, of the population");
-  add(staged, "--gene-share", s.geneShare, 0.0, 1.0, "probability that a gene of a child is mutated");
+      "elite fraction: share of the population that is kept unchanged");
+  add(staged, "--gene-share", s.geneShare, 0.0, 1.0, "mutation probability of each gene");
   add(staged, "--reach", s.reach, 1e-12, 1.0,
-      "1: uniform mutation as published; below 1 mixes fine steps in");
+      "multiply each mutation range by reach^v, v uniform in 0 to 1; 1: uniform mutation as published");
   const char* const niching = "Genetic algorithm: niching";
   add(niching, "--crossover", n.crossover, 0.0, 1.0, "probability");
-  add(niching, "--mutation", n.mutation, 0.0, 1.0, "probability of a gene");
-  add(niching, "--precision", n.precision, 1e-15, 0.1, "of a gene, in parts of its range");
+  add(niching, "--mutation", n.mutation, 0.0, 1.0, "mutation probability of each gene");
+  add(niching, "--precision", n.precision, 1e-15, 0.1, "resolution of a gene, as a fraction of its range");
   add(niching, "--threshold", n.threshold, 0.0, 1.0,
-      "chromosomes closer than this are dropped, in parts of the ranges' diagonal");
-  add(niching, "--niching-reach", n.reach, 1e-15, 1.0, "1: uniform mutation; below 1 mixes fine steps in");
+      "niche radius: drop chromosomes closer than this fraction of the ranges' diagonal");
+  add(niching, "--niching-reach", n.reach, 1e-15, 1.0,
+      "multiply each mutation range by reach^v, v uniform in 0 to 1; 1: uniform mutation");
   command
-      .add_flag("--traditional", c.traditional, "niching without dropping: the algorithm LASER compares with")
+      .add_flag(
+          "--traditional", c.traditional,
+          "do not drop close chromosomes: the traditional algorithm that the niching is compared with in Fei "
+          "et al.")
       ->group(niching);
 }
 
@@ -125,7 +131,7 @@ int runCalibrate(CalibrateCommand& c) {
     session = centresByPosture(session, modelFor(session, model.effects));
     hashes.push_back(sessionHash(session));
   }
-  c.files.checkSession(hashes);
+  c.files.checkSession(hashes, 1);
 
   std::optional<Recalibration> done;
   {
@@ -138,7 +144,7 @@ int runCalibrate(CalibrateCommand& c) {
       std::any_of(questions.begin(), questions.end(), [](const Doubt& d) { return std::isfinite(d.before); });
   if (!done->result.cancelled && !asked)
     for (const std::string& doubt : fitDoubts(done->result)) doubts.push_back(doubt);
-  for (const std::string& doubt : doubts) std::cerr << "mm: warning: " << oneLine(doubt) << std::endl;
+  warn(doubts);
   const int status = verdictOf(done->result);
   done->calibration.sessionSpace = bagSpace(c.bags.joined(), c.fit.space);
   if (!c.output.empty()) c.files.write(c.output, done->calibration);
@@ -168,29 +174,36 @@ int runCalibrate(CalibrateCommand& c) {
 
 void addCalibrateCommand(CLI::App& app, int& exitStatus) {
   auto c = std::make_shared<CalibrateCommand>();
-  CLI::App* command = app.add_subcommand("calibrate", "Finds the parameters of a model from a session");
+  CLI::App* command = app.add_subcommand("calibrate", "Estimate the parameters of a model from a session");
   c->bags.declare(*command);
-  command->add_option("--model", c->model, "YAML: machine and effects")->required();
+  command->add_option("--model", c->model, "YAML file with the machine and its effects")->required();
   command->add_option("-o,--output", c->output, "the calibration file");
-  command->add_option("--method", c->method, "staged_mutation, niching or least_squares")
+  command
+      ->add_option("--method", c->method,
+                   "least_squares: no search, sufficient if all parameters are linear; staged_mutation or "
+                   "niching: genetic search (seconds) for models with several minima, refined by least "
+                   "squares")
       ->capture_default_str();
-  command->add_flag("--json", c->json, "the result as JSON on standard output");
-  command->add_flag("--two-steps", c->twoSteps,
-                    "balls as LASER uses them: first the centre in each posture, then the model to these "
-                    "centres (default: every contact and everything together)");
+  command->add_flag("--json", c->json, "print the result as JSON on standard output");
+  command->add_flag(
+      "--two-steps", c->twoSteps,
+      "fit in two steps as in Fei et al.: first the ball centre in each posture, then the model to the "
+      "centres (default: fit all contacts and parameters together)");
   command->add_option(
       "--prior", c->prior,
-      "folder of sister machines (mm batch -o, or calibrations): what they say of the parameters is "
-      "used beside the session, unless that contradicts it (default: nothing is)");
-  command->add_option("--prior-except", c->priorExcept, "machine of that folder that is none of the sisters");
-  command->add_option("--curve", c->curve, "CSV of the best RMS in each generation");
+      "folder of machines of the same type (results of mm batch, or calibrations): use their parameters as a "
+      "prior, unless the session contradicts it (default: no prior)");
+  command->add_option("--prior-except", c->priorExcept, "machine of that folder to exclude from the prior");
+  command->add_option("--curve", c->curve, "write the best RMS of each generation as CSV");
   c->files.declare(*command);
   c->fit.declare(*command, true);
   declareGenetic(*command, *c);
   command->footer(
-      "Exit status 1: not converged, or a parameter that this session does not determine and no convention\n"
+      "Exit status 1: the fit did not converge, or the session does not determine a parameter that no "
+      "convention\n"
       "fixes; the file is still written.\n"
-      "Example:\n  mm calibrate plate.bag --model model.yaml -o plate.yaml\n"
+      "Example:\n"
+      "  mm calibrate plate.bag --model model.yaml -o plate.yaml\n"
       "  mm calibrate monday.bag tuesday.bag --model model.yaml -o both.yaml");
   command->callback([c, &exitStatus] { exitStatus = runCalibrate(*c); });
 }

@@ -59,7 +59,7 @@ int runAll(ChangeOptions& c, const Session& session, const Calibration& before,
     if (c.json)
       std::cout << changeJson(held, before.ledger) << '\n';
     else
-      std::cout << ledgerText(before.ledger, !std::isfinite(held.figures.rms)) << "\nnothing was added\n";
+      std::cout << ledgerText(before, !std::isfinite(held.figures.rms)) << "\nnothing was added\n";
     return learned.complete ? kDone : kAnswerIsNo;
   }
   const Recalibration& last = *learned.last;
@@ -67,17 +67,17 @@ int runAll(ChangeOptions& c, const Session& session, const Calibration& before,
   if (c.json) {
     std::cout << changeJson(last.result, last.calibration.ledger) << '\n';
   } else {
-    std::cout << ledgerText(last.calibration.ledger, !std::isfinite(last.result.figures.rms)) << '\n'
+    std::cout << ledgerText(last.calibration, !std::isfinite(last.result.figures.rms)) << '\n'
               << calibrateText(last.result);
     if (!c.output.empty()) std::cout << "\nwritten to " << c.output << '\n';
   }
   if (learned.stopped) {
-    std::cerr << "mm: stopped by Ctrl-C after " << learned.steps << " steps: what is written holds them"
+    std::cerr << "mm: stopped by Ctrl-C after " << learned.steps << " steps, which are in the written file"
               << std::endl;
     return kStopped;
   }
   if (learned.complete) return status;
-  std::cerr << "mm: after " << learned.steps << " steps something is still missing; mm diagnose tells"
+  std::cerr << "mm: after " << learned.steps << " steps an effect is still missing; run mm diagnose"
             << std::endl;
   return kAnswerIsNo;
 }
@@ -104,12 +104,13 @@ int runChange(ChangeOptions& c, ModelChange change) {
   c.files.check();
   CalibrateOptions options = c.fit.checked();
   if (c.all != c.effect.empty())
-    throw InputError(c.all ? "--all finds the effects by itself; leave out '" + c.effect + "'"
+    throw InputError(c.all ? "--all finds the effects itself; omit '" + c.effect + "'"
                            : "no effect is named; give one, e.g. '{type: backlash, axis: x}', or --all");
   const EffectSpec effect = c.all ? EffectSpec() : parseEffectSpec(c.effect, "effect");
   const Calibration before = loadCalibration(c.calibration);
   const Session session = loadSession(c.bags.joined(), before, c.fit.space);
-  c.files.checkSession({sessionHash(session)});
+  const std::size_t steps = before.ledger.size() + (c.all ? c.most : 1);
+  c.files.checkSession({sessionHash(session)}, steps);
   if (c.all) return runAll(c, session, before, options);
   std::optional<Recalibration> done;
   {
@@ -123,7 +124,7 @@ int runChange(ChangeOptions& c, ModelChange change) {
     std::cout << changeJson(done->result, done->calibration.ledger) << '\n';
     return status;
   }
-  std::cout << ledgerText(done->calibration.ledger, !std::isfinite(done->result.figures.rms)) << '\n'
+  std::cout << ledgerText(done->calibration, !std::isfinite(done->result.figures.rms)) << '\n'
             << calibrateText(done->result);
   if (!c.output.empty()) std::cout << "\nwritten to " << c.output << '\n';
   return status;
@@ -136,16 +137,16 @@ void declareChange(CLI::App& command, ModelChange change, bool all, const std::s
   auto c = std::make_shared<ChangeOptions>();
   command
       .add_option("bag", c->given,
-                  std::string("the session, or several that are judged together, then the effect as YAML: "
-                              "{type: backlash, axis: x}") +
-                      (all ? "; with --all no effect" : ""))
+                  std::string("the session, or several to evaluate together, then the effect as YAML: {type: "
+                              "backlash, axis: x}") +
+                      (all ? "; no effect with --all" : ""))
       ->required();
   command.add_option("--calibration", c->calibration, "the calibration file")->required();
   command.add_option("-o,--output", c->output, "the new calibration file");
-  command.add_flag("--json", c->json, "the result as JSON on standard output");
+  command.add_flag("--json", c->json, "print the result as JSON on standard output");
   if (all) {
-    command.add_flag("--all", c->all, "diagnoses and adds what is missing, step by step, until nothing is");
-    command.add_option("--most", c->most, "steps of --all")
+    command.add_flag("--all", c->all, "diagnose and add missing effects one by one until none is missing");
+    command.add_option("--most", c->most, "largest number of steps of --all")
         ->capture_default_str()
         ->check(wholeNumberWithin(1, 100));
   }

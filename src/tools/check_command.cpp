@@ -38,16 +38,16 @@ int runCheck(const CheckCommand& c) {
 
 void addCheckCommand(CLI::App& app, int& exitStatus) {
   auto c = std::make_shared<CheckCommand>();
-  CLI::App* command =
-      app.add_subcommand("check", "The point set before the fit: what was covered, what it can show");
+  CLI::App* command = app.add_subcommand("check", "Check coverage and identifiability before fitting");
   c->bags.declare(*command);
-  command->add_option("--model", c->model, "YAML: which of its parameters can be found");
+  command->add_option("--model", c->model,
+                      "model file: also report which of its parameters can be determined");
   declareNamespace(*command, c->space);
-  command->add_flag("--json", c->json, "the result as JSON on standard output");
+  command->add_flag("--json", c->json, "print the result as JSON on standard output");
   command->footer(
-      "Exit status 1: the model has a parameter that this session does not determine and no convention "
-      "fixes.\n"
-      "Example:\n  mm check plate.bag --model model.yaml");
+      "Exit status 1: the session does not determine a parameter of the model that no convention fixes.\n"
+      "Example:\n"
+      "  mm check plate.bag --model model.yaml");
   command->callback([c, &exitStatus] { exitStatus = runCheck(*c); });
 }
 

@@ -1,9 +1,14 @@
 #include "tools/command_line.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <sstream>
 
 #include "base/text.h"
+#include "effects/registry.h"
+#include "export/export_target.h"
+#include "import/import_format.h"
+#include "simulation/catalogue.h"
 
 namespace mm {
 namespace {
@@ -16,6 +21,36 @@ std::vector<std::string> wordsOf(const std::string& type) {
   std::istringstream in(type.substr(open + 1, close - open - 1));
   for (std::string word; std::getline(in, word, ',');) words.push_back(word);
   return words;
+}
+
+/// What CLI11 does not know of an option or a positional: words that it takes beside others, its files.
+struct Values {
+  std::string name;  // "--machine"; of a positional its name
+  std::vector<std::string> known;
+  std::string ending;
+};
+
+std::vector<Values> knownValues() {
+  std::vector<std::string> effects, formats, hidden = {"random"};
+  for (const EffectType& type : effectRegistry()) effects.push_back(type.type);
+  for (const ImportFormat& format : importFormats()) formats.emplace_back(format.name);
+  for (const SourceKind& kind : sourceKinds()) hidden.push_back(kind.type);
+  return {{"--machine", {"three_axis", "five_axis"}, "urdf"},
+          {"--method", {"least_squares", "staged_mutation", "niching"}, ""},
+          {"--to", exportTargetNames(), ""},
+          {"--format", formats, ""},
+          {"--hide", hidden, ""},
+          {"type", effects, ""},
+          {"--model", {}, "yaml"},
+          {"--calibration", {}, "yaml"},
+          {"calibration", {}, "yaml"},
+          {"--plan", {}, "yaml"},
+          {"plan", {}, "yaml"},
+          {"--artifact", {}, "yaml"},
+          {"--columns", {}, "yaml"},
+          {"manifest", {}, "yaml"},
+          {"bag", {}, "bag"},
+          {"--session", {}, "bag"}};
 }
 
 CommandOption toOption(const CLI::Option& option) {
@@ -33,6 +68,14 @@ CommandOption toOption(const CLI::Option& option) {
   if (open != std::string::npos && close != std::string::npos)
     o.bounds = type.substr(open + 2, close - open - 2);
   o.placeholder = o.names.empty() ? option.get_name() : type.substr(0, type.find(':'));
+  static const std::vector<Values> values = knownValues();
+  if (!o.words.empty()) return o;
+  for (const Values& v : values)
+    if (o.names.empty() ? v.name == o.placeholder
+                        : std::find(o.names.begin(), o.names.end(), v.name) != o.names.end()) {
+      o.known = v.known;
+      o.ending = v.ending;
+    }
   return o;
 }
 
@@ -67,6 +110,24 @@ std::string dashed(std::string name) {
   for (char& c : name)
     if (c == ' ') c = '-';
   return name;
+}
+
+const std::vector<std::string>& wordsOf(const CommandOption& o) {
+  return o.words.empty() ? o.known : o.words;
+}
+
+/// What the script proposes for a value; nothing known: any file, by the shell itself.
+std::string takenInBash(const CommandOption& o) {
+  if (wordsOf(o).empty() && o.ending.empty()) return "return";
+  return "words='" + joined(wordsOf(o), " ") + "' ending='" + o.ending + "'";
+}
+
+/// The same as an action of zsh's _arguments.
+std::string takenInZsh(const CommandOption& o) {
+  const std::string words = joined(wordsOf(o), " ");
+  const std::string files = o.ending.empty() ? "_files" : "_files -g \"*." + o.ending + "\"";
+  if (words.empty()) return files;
+  return o.ending.empty() ? "(" + words + ")" : "{compadd " + words + "; " + files + "}";
 }
 
 std::string firstWord(const std::string& name) { return name.substr(0, name.find(' ')); }
@@ -158,11 +219,11 @@ std::string bashCompletion(const CLI::App& app) {
     cases << "    '" << c.name << "')\n      options='" << namesOf(c.options) << "'\n";
     std::ostringstream values;
     for (const CommandOption& o : c.options)
-      if (!o.words.empty())
-        values << "        " << joined(o.names, "|") << ") words='" << joined(o.words, " ") << "' ;;\n";
+      if (o.takesValue) values << "        " << joined(o.names, "|") << ") " << takenInBash(o) << " ;;\n";
     if (!values.str().empty()) cases << "      case \"$previous\" in\n" << values.str() << "      esac\n";
     for (const CommandOption& o : c.positionals)
-      if (!o.words.empty()) cases << "      [[ -n \"$words\" ]] || words='" << joined(o.words, " ") << "'\n";
+      if (!wordsOf(o).empty() || !o.ending.empty())
+        cases << "      [[ -n \"$words$ending\" ]] || { " << takenInBash(o) << "; }\n";
     cases << "      ;;\n";
   }
   std::ostringstream out;
@@ -170,7 +231,7 @@ std::string bashCompletion(const CLI::App& app) {
          "_mm() {\n"
          "  local current=\"${COMP_WORDS[COMP_CWORD]}\" previous=\"${COMP_WORDS[COMP_CWORD-1]}\" "
          "command=\"${COMP_WORDS[1]}\"\n"
-         "  local options='' words=''\n"
+         "  local options='' words='' ending=''\n"
          "  COMPREPLY=()\n"
          "  if ((COMP_CWORD == 1)); then\n"
          "    COMPREPLY=($(compgen -W '"
@@ -189,8 +250,13 @@ std::string bashCompletion(const CLI::App& app) {
       << "  esac\n"
          "  if [[ \"$current\" == -* ]]; then\n"
          "    COMPREPLY=($(compgen -W \"$options\" -- \"$current\"))\n"
-         "  elif [[ -n \"$words\" ]]; then\n"
+         "  else\n"
          "    COMPREPLY=($(compgen -W \"$words\" -- \"$current\"))\n"
+         "    if [[ -n \"$ending\" ]]; then\n"
+         "      local IFS=$'\\n'\n"
+         "      compopt -o filenames 2>/dev/null\n"
+         "      COMPREPLY+=($(compgen -d -- \"$current\") $(compgen -f -X \"!*.$ending\" -- \"$current\"))\n"
+         "    fi\n"
          "  fi\n"
          "}\n"
          "complete -o default -o bashdefault -F _mm mm\n";
@@ -200,7 +266,7 @@ std::string bashCompletion(const CLI::App& app) {
 std::string zshCompletion(const CLI::App& app) {
   const auto valueOf = [](const CommandOption& o) {
     const std::string what = quotedForZsh(o.placeholder.empty() ? "value" : o.placeholder);
-    return ":" + what + ":" + (o.words.empty() ? "_files" : "(" + joined(o.words, " ") + ")");
+    return ":" + what + ":" + takenInZsh(o);
   };
   std::ostringstream commands, cases;
   std::string last;

@@ -15,7 +15,9 @@ struct CommandOption {
   std::string placeholder;         // "TEXT", or the name of a positional
   std::string description, standard, group;
   std::string bounds;              // "0 to 10"; empty: none are stated
-  std::vector<std::string> words;  // that it takes; empty: anything, a file most likely
+  std::vector<std::string> words;  // that it takes, and no others; empty: anything, a file most likely
+  std::vector<std::string> known;  // words that it takes beside others: machines, methods, effects
+  std::string ending;              // of the files that it takes, "bag"; empty: any
   bool takesValue = false, required = false;
 };
 
@@ -31,7 +33,7 @@ std::vector<Command> commandsOf(const CLI::App& app);
 /// What stands before every command: --help, --version.
 std::vector<CommandOption> commonOptions(const CLI::App& app);
 
-/// Completion of commands, options and of the words that an option takes; files elsewhere.
+/// Completion of commands, options and of the values that an option takes: its words, else files.
 std::string bashCompletion(const CLI::App& app);
 std::string zshCompletion(const CLI::App& app);
 

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "calibration_file/calibration_yaml.h"
+#include "design/session_doubts.h"
 #include "report/json.h"
 #include "report/text.h"
 #include "tools/commands.h"
@@ -23,6 +24,7 @@ void runCompare(const SessionAndCalibration& c) {
     options.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
     compared = compareWith(session, calibration, options);
   }
+  warn(repeatabilityDoubts(compared->fit));
   if (c.json)
     std::cout << compareJson(compared->fit, compared->where) << '\n';
   else
@@ -33,13 +35,16 @@ void runCompare(const SessionAndCalibration& c) {
 
 void addCompareCommand(CLI::App& app, int& /*exitStatus*/) {
   auto c = std::make_shared<SessionAndCalibration>();
-  CLI::App* command = app.add_subcommand("compare", "Where a calibration fails on a session");
+  CLI::App* command =
+      app.add_subcommand("compare", "Compare a calibration with a session and show where it fails");
   c->declare(*command, "the session");
   c->fit.declare(*command, false);
   command->footer(
-      "The values of the calibration are held; only what belongs to the session (pose of the artifact, free\n"
-      "centres, zeros of setups) is fitted.\n"
-      "Example:\n  mm compare plate.bag --calibration plate.yaml");
+      "The parameters of the calibration are held; only those of the session (pose of the artifact, free "
+      "centres,\n"
+      "zeros of setups) are fitted.\n"
+      "Example:\n"
+      "  mm compare plate.bag --calibration plate.yaml");
   command->callback([c] { runCompare(*c); });
 }
 

@@ -12,11 +12,12 @@ namespace mm {
 
 void addCompletionCommand(CLI::App& app, int& /*exitStatus*/) {
   auto shell = std::make_shared<std::string>();
-  CLI::App* command = app.add_subcommand("completion", "Prints what completes the words of mm in a shell");
+  CLI::App* command = app.add_subcommand("completion", "Print the shell completion script of mm");
   command->add_option("shell", *shell, "the shell")->required()->check(CLI::IsMember({"bash", "zsh"}));
   command->footer(
-      "Installed with the package. Without installing it:\n  source <(mm completion bash)\n"
-      "  source <(mm completion zsh)       after compinit");
+      "Installed with the package. Without installing it:\n"
+      "  source <(mm completion bash)\n"
+      "  source <(mm completion zsh)       # after compinit");
   command->callback(
       [&app, shell] { std::cout << (*shell == "bash" ? bashCompletion(app) : zshCompletion(app)); });
 }
@@ -24,9 +25,9 @@ void addCompletionCommand(CLI::App& app, int& /*exitStatus*/) {
 void addManualCommand(CLI::App& app, int& /*exitStatus*/) {
   auto name = std::make_shared<std::vector<std::string>>();
   auto list = std::make_shared<bool>(false);
-  CLI::App* command = app.add_subcommand("manual", "Prints a manual page, for man");
+  CLI::App* command = app.add_subcommand("manual", "Print a manual page for man");
   command->add_option("command", *name, "the command; without one, the page of mm itself")->expected(0, 2);
-  command->add_flag("--list", *list, "only the names of the commands that have a page");
+  command->add_flag("--list", *list, "list the commands that have a page");
   command->footer("Installed with the package. Without installing it:\n  mm manual calibrate | man -l -");
   command->callback([&app, name, list] {
     const std::vector<Command> commands = commandsOf(app);
@@ -41,8 +42,8 @@ void addManualCommand(CLI::App& app, int& /*exitStatus*/) {
     }
     if (*list) return;
     if (!wanted.empty())
-      throw InputError("'" + wanted + "' is no command of mm" + didYouMean(wanted, known) +
-                       " (mm manual --list names them)");
+      throw InputError("'" + wanted + "' is not a command of mm" + didYouMean(wanted, known) +
+                       " (mm manual --list lists them)");
     std::cout << manualPage(app, kVersion);
   });
 }

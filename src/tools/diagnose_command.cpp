@@ -4,6 +4,7 @@
 
 #include "calibration_file/calibration_yaml.h"
 #include "design/moves.h"
+#include "design/session_doubts.h"
 #include "report/json.h"
 #include "report/text.h"
 #include "tools/commands.h"
@@ -35,6 +36,7 @@ void runDiagnose(DiagnoseCommand& c) {
     options.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
     diagnosis = diagnoseCalibration(session, calibration, options);
   }
+  warn(repeatabilityDoubts(diagnosis->base));
   if (!c.moves.empty()) {
     const std::string plan = movesYaml(diagnosis->nextMeasurement, session);
     if (!plan.empty()) c.files.write(c.moves, plan);
@@ -51,10 +53,10 @@ void runDiagnose(DiagnoseCommand& c) {
 
 void addDiagnoseCommand(CLI::App& app, int& /*exitStatus*/) {
   auto c = std::make_shared<DiagnoseCommand>();
-  CLI::App* command = app.add_subcommand("diagnose", "Which physical effect the model misses");
+  CLI::App* command = app.add_subcommand("diagnose", "Find the physical effect that the model lacks");
   c->declare(*command, "the session");
   command->add_option("--moves", c->moves,
-                      "writes the proposed moves as a plan for mm simulate and the node measure");
+                      "write the proposed moves as a plan for mm simulate and the node measure");
   c->files.declare(*command);
   c->fit.declare(*command, true);
   command->footer("Example:\n  mm diagnose plate.bag --calibration plate.yaml");

@@ -34,28 +34,29 @@ Json parameterJson(const CatalogueParameter& p) {
 }
 
 Json entryJson(const CatalogueEntry& e) {
-  return {{"type", e.type},
-          {"composite", e.composite},
-          {"example", e.example},
-          {"keys", jsonList(e.keys, keyJson)},
-          {"parameters", jsonList(e.parameters, parameterJson)},
-          {"needs", e.needs},
-          {"shown_by", e.shownBy},
-          {"cause", e.cause},
-          {"remedy", e.remedy}};
+  return jsonObject({{{"type", e.type}, {"composite", e.composite}, {"example", e.example}},
+                     entryIf(!e.iso230.empty(), "iso230", e.iso230),
+                     {{"keys", jsonList(e.keys, keyJson)},
+                      {"parameters", jsonList(e.parameters, parameterJson)},
+                      {"needs", e.needs},
+                      {"shown_by", e.shownBy},
+                      {"cause", e.cause},
+                      {"remedy", e.remedy}}});
 }
 
 std::string unitOf(const CatalogueParameter& p) {
-  if (p.unit.empty()) return p.rotaryUnit + " (rotary axes alone)";
+  if (p.unit.empty()) return p.rotaryUnit + " (rotary axes only)";
   return p.unit + (p.rotaryUnit.empty() || p.rotaryUnit == p.unit ? "" : " (rotary: " + p.rotaryUnit + ")");
 }
 
 void print(const CatalogueEntry& e) {
   std::cout << e.type << (e.composite ? "  (composite: never a candidate of a diagnosis)" : "") << '\n';
   if (!e.example.empty()) std::cout << "  example     " << e.example << '\n';
+  if (!e.iso230.empty())
+    std::cout << "  ISO 230-1   " << e.iso230 << ", the example on " << kExampleMachine << '\n';
   const char* title = "  keys        ";
   for (const CatalogueKey& k : e.keys) {
-    std::cout << title << k.use.key << ": " << (k.known ? takesInWords(k.use) : "as its package says");
+    std::cout << title << k.use.key << ": " << (k.known ? takesInWords(k.use) : "see its package");
     if (!k.onlyAt.empty()) std::cout << " (" << k.onlyAt << " axes alone)";
     if (!k.required && k.known)
       std::cout << (k.use.absent && !k.use.absent->empty() ? " [" + *k.use.absent + "]" : " (optional)");
@@ -84,7 +85,7 @@ void runEffects(const EffectsOptions& options) {
                                  [&](const CatalogueEntry& e) { return e.type != options.type; }),
                   entries.end());
     if (entries.empty())
-      throw InputError("'" + options.type + "' is no effect of the catalogue" +
+      throw InputError("'" + options.type + "' is not an effect of the catalogue" +
                        didYouMean(options.type, known) + " (mm effects lists them)");
   }
   if (options.json) return printJson(std::cout, {{"effects", jsonList(entries, entryJson)}});
@@ -93,22 +94,24 @@ void runEffects(const EffectsOptions& options) {
     print(entries[i]);
   }
   std::cout
-      << "\nany effect, keys  from_session: the number of the session from which on it acts, of several\n"
-         "                  stylus: name of the stylus with which alone it acts\n";
+      << "\n"
+         "any effect, keys  from_session: of several sessions, the number of the first in which it acts\n"
+         "                  stylus: name of the only stylus with which it acts\n";
 }
 
 }  // namespace
 
 void addEffectsCommand(CLI::App& app, int& /*exitStatus*/) {
   auto options = std::make_shared<EffectsOptions>();
-  CLI::App* command = app.add_subcommand("effects", "The catalogue of physical effects, with their keys");
-  command->add_option("type", options->type, "one effect alone, e.g. backlash");
-  command->add_flag("--json", options->json, "as JSON on standard output");
+  CLI::App* command = app.add_subcommand("effects", "List the catalogue of physical effects and their keys");
+  command->add_option("type", options->type, "show only this effect, e.g. backlash");
+  command->add_flag("--json", options->json, "print as JSON on standard output");
   command->footer(
-      "Effects of your own packages are among them. A key in [ ] has that default. Any effect also takes\n"
-      "from_session: N (it acts from the N-th of several sessions on) and stylus: NAME (with that one "
-      "alone).\n"
-      "Example:\n  mm effects thermal_growth");
+      "Effects of your own packages are included. Defaults stand in [ ]. Any effect also takes from_session: "
+      "N\n"
+      "(acts from the N-th of several sessions on) and stylus: NAME (acts with this stylus only).\n"
+      "Example:\n"
+      "  mm effects thermal_growth");
   command->callback([options] { runEffects(*options); });
 }
 

@@ -11,6 +11,6 @@ inline constexpr int kStopped = 130;   // by Ctrl-C (128 + SIGINT): what was don
 inline constexpr const char* kExitStatusHelp =
     "Exit status: 0 done; 1 the answer is no (the output is still written); 2 bad input; 130 stopped by "
     "Ctrl-C\n"
-    "(what was done is kept).";
+    "(results so far are kept).";
 
 }  // namespace mm

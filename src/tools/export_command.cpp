@@ -35,9 +35,9 @@ std::map<std::string, std::string> lettersOf(const std::vector<std::string>& axe
   for (const std::string& text : axes) {
     const std::size_t equal = text.find('=');
     if (equal == std::string::npos || equal == 0 || equal + 1 == text.size())
-      throw InputError("--axis '" + text + "': is no joint with its axis; write it as table=x");
+      throw InputError("--axis '" + text + "' is not JOINT=LETTER; write e.g. table=x");
     if (!letters.emplace(text.substr(0, equal), lower(text.substr(equal + 1))).second)
-      throw InputError("--axis '" + text + "': joint '" + text.substr(0, equal) + "' is told twice");
+      throw InputError("--axis '" + text + "': joint '" + text.substr(0, equal) + "' is given twice");
   }
   return letters;
 }
@@ -53,8 +53,8 @@ int runExport(ExportCommand& c) {
   options.detectionUnit = c.detectionUnit * kMicrometre;
   options.tablesAlone = c.tablesAlone;
   if (c.tablesAlone && target.name != "linuxcnc")
-    throw InputError("--tables-alone leaves out the external offsets of linuxcnc; " + target.name +
-                     " has none: leave it away");
+    throw InputError("--tables-alone omits the external offsets of linuxcnc; " + target.name +
+                     " has none: omit it");
   options.rapidRate = c.rapidRate * kMillimetre / 60.0;
   const NeededCorrection needed(calibration, options.letters);
   const Exported exported = exportedFor(target, needed, options);
@@ -89,40 +89,41 @@ int runExport(ExportCommand& c) {
 
 void addExportCommand(CLI::App& app, int& exitStatus) {
   auto c = std::make_shared<ExportCommand>();
-  CLI::App* command = app.add_subcommand("export", "Writes a calibration as the tables of a controller");
-  command->add_option("calibration", c->calibration, "the calibration's file")->required();
+  CLI::App* command =
+      app.add_subcommand("export", "Export a calibration as compensation tables of a controller");
+  command->add_option("calibration", c->calibration, "the calibration file")->required();
   command->add_option("--to", c->target, "the controller: " + joined(exportTargetNames(), ", "))->required();
   command->add_option("-o,--output", c->folder, "the folder to write")->required();
   command
       ->add_option(
           "--axis", c->axes,
-          "JOINT=LETTER: which axis of the controller a joint is [by its name, else by its direction]; "
-          "again for more")
+          "JOINT=LETTER: controller axis of a joint [by its name, else by its direction]; repeatable")
       ->take_all()
       ->allow_extra_args(false);
-  command->add_option("--detection-unit-um", c->detectionUnit, "fanuc: unit of pitch error data, um")
+  command
+      ->add_option("--detection-unit-um", c->detectionUnit, "fanuc: detection unit of pitch error data, um")
       ->check(numberWithin(0.01, 10.0, "um"))
       ->capture_default_str();
   command
       ->add_option(
           "--rapid-mm-min", c->rapidRate,
-          "fanuc: rapid traverse rate, which bounds the interval of pitch error data below [the velocity "
-          "limit of each joint]")
+          "fanuc: rapid traverse rate, which sets the least interval of pitch error data [the velocity limit "
+          "of each joint]")
       ->check(numberWithin(1.0, 1e6, "mm/min"));
   command->add_flag("--tables-alone", c->tablesAlone,
-                    "linuxcnc: without external offsets, where the HAL component shall not run");
-  command->add_flag("--json", c->json, "prints representability.json");
+                    "linuxcnc: write no external offsets (without the HAL component)");
+  command->add_flag("--json", c->json, "print representability.json");
   c->files.declare(*command);
   command->footer(
-      "The folder gets the tables, README.md (what to load where, how to check the sign with one move, what "
-      "could not\n"
-      "be verified) and representability.json: what of the calibration the controller carries, effect by "
-      "effect. It is\n"
-      "written whole or not at all. An earlier export for the same controller is replaced. What was active "
-      "while\n"
-      "measuring (mm import --compensation) is in the new tables; without a statement it says that none is "
+      "Writes the tables, README.md (what to load where, how to check the sign with one move, what could not "
+      "be\n"
+      "verified) and representability.json (how far each effect is carried by the controller). The folder is "
+      "written\n"
+      "completely or not at all; an earlier export for the same controller is replaced. The new tables "
+      "include the\n"
+      "compensation that was active while measuring (mm import --compensation); if none is stated, none is "
       "assumed.\n"
-      "Exit status 1: the controller can carry nothing of this calibration.\n"
+      "Exit status 1: the controller cannot carry any part of this calibration.\n"
       "Example: mm export c.yaml --to linuxcnc -o for_linuxcnc");
   command->callback([c, &exitStatus] { exitStatus = runExport(*c); });
 }

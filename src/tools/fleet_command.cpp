@@ -35,32 +35,33 @@ void run(const FleetCommand& c) {
 void addFleetCommand(CLI::App& app, int& exitStatus) {
   auto c = std::make_shared<FleetCommand>();
   CLI::App* command =
-      app.add_subcommand("fleet", "Many machines over time: what changed, drifts, differs, came back");
+      app.add_subcommand("fleet",
+                         "Analyse many machines over time: find changes, drifts, outliers and recurring "
+                         "effects");
   command
       ->add_option("folder", c->folder,
                    "results of mm batch, or calibrations: a store, or a folder of stores")
       ->required();
-  command->add_option("--machine", c->options.machine, "findings and values of this machine only");
+  command->add_option("--machine", c->options.machine, "show findings and values of this machine only");
   command->add_option("--parameter", c->options.parameter,
-                      "quantities with this in their name: 'backlash, axis: x'");
+                      "show quantities whose name contains this: 'backlash, axis: x'");
   command->add_option("--model", c->options.model,
-                      "jobs with this in the path of their model (default: the most used)");
-  command
-      ->add_option("--alarm", c->options.alarm,
-                   "chance that a fleet in which nothing happens gives any finding")
+                      "use jobs whose model path contains this (default: the most used model)");
+  command->add_option("--alarm", c->options.alarm, "false alarm probability of the whole fleet")
       ->capture_default_str()
       ->check(numberWithin(1e-12, 0.5));
-  command->add_option("-o,--output", c->page, "a page with every machine over time, for a browser");
+  command->add_option("-o,--output", c->page, "HTML page with every machine over time");
   CLI::Option* json =
-      command->add_flag("--json", c->json, "as JSON; with --machine or --parameter every value");
-  command->add_flag("--csv", c->csv, "every parameter of every session as CSV")->excludes(json);
+      command->add_flag("--json", c->json, "print as JSON; with --machine or --parameter every value");
+  command->add_flag("--csv", c->csv, "print every parameter of every session as CSV")->excludes(json);
   c->files.declare(*command);
   command->footer(
-      "Each series is asked for steps and drifts, each machine is compared with its sisters; the chance of a "
+      "Tests each series for steps and drifts and compares each machine with the others of its type; the "
       "false\n"
-      "alarm is shared among all questions.\n"
-      "Examples:\n  mm fleet results -o fleet.html\n  mm fleet ~/.measuring_machine/calibrations --parameter "
-      "backlash --json");
+      "alarm probability is shared among all tests.\n"
+      "Examples:\n"
+      "  mm fleet results -o fleet.html\n"
+      "  mm fleet ~/.measuring_machine/calibrations --parameter backlash --json");
   command->callback([c, &exitStatus] {
     c->files.output("-o", c->page, FileKind::kPage);
     c->files.check();

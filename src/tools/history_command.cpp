@@ -93,7 +93,7 @@ void compare(const HistoryOptions& options) {
   const bool bags = kindOf(a) == FileKind::kBag, other = kindOf(b) == FileKind::kBag;
   if (bags != other)
     throw InputError("--compare: " + (bags ? a : b) + " is a session and " + (bags ? b : a) +
-                     " is none; give two sessions with --calibration, or two calibrations");
+                     " is not; give two sessions with --calibration, or two calibrations");
   if (bags && options.calibration.empty())
     throw InputError(
         "--compare: two sessions are compared under one calibration; name it with --calibration");
@@ -127,7 +127,7 @@ void trend(const HistoryOptions& options) {
   }
   if (!options.output.empty() && calibrations.empty() && !left.empty())
     throw InputError("of " + std::to_string(left.size()) + " calibrations in " + store.folder().string() +
-                     " none can be read, so there is nothing to draw: " + left.front());
+                     " no calibration can be read: " + left.front());
   for (const std::string& other : ofOtherMachines(calibrations))
     left.push_back(other + ": of another machine");
   for (const std::string& again : refitted(calibrations))
@@ -140,7 +140,7 @@ void trend(const HistoryOptions& options) {
     std::cout << trendText(trends);
   if (options.output.empty()) return;
   if (trends.empty())
-    throw InputError("no calibration in " + store.folder().string() + ": there is nothing to draw");
+    throw InputError("no calibration in " + store.folder().string() + ", so there is no trend to plot");
   options.files.write(options.output, trendPage(trends, store.folder().string(), left,
                                                 calibrations.back().machineName, options.plotly));
   if (!options.json) std::cout << "written to " << options.output << '\n';
@@ -148,7 +148,7 @@ void trend(const HistoryOptions& options) {
 
 void runHistory(HistoryOptions& options) {
   if (options.trend && !options.compared.empty())
-    throw InputError("--compare and --trend are two questions: ask one of them");
+    throw InputError("--compare and --trend exclude each other: give one of them");
   if (!options.trend && !options.output.empty()) throw InputError("-o is the page of --trend; add --trend");
   if (!options.compared.empty()) return compare(options);
   if (!options.trend) return printHistory(options);
@@ -160,18 +160,20 @@ void runHistory(HistoryOptions& options) {
 
 void addHistoryCommand(CLI::App& app, int& /*exitStatus*/) {
   auto options = std::make_shared<HistoryOptions>();
-  CLI::App* command = app.add_subcommand(
-      "history", "The calibrations that are kept, what changed between two, and every trend");
+  CLI::App* command = app.add_subcommand("history", "List stored calibrations, compare two, or show trends");
   options->declare(*command);
   command
       ->add_option("--compare", options->compared,
-                   "two calibrations (ids, active, candidate or files), or two sessions with --calibration: "
-                   "what changed significantly")
+                   "show what changed significantly between two calibrations (ids, active, candidate or "
+                   "files), or between two sessions with --calibration")
       ->expected(2);
-  command->add_option("--calibration", options->calibration, "whose model two sessions are compared under");
-  command->add_flag("--trend", options->trend, "every parameter over the calibrations kept");
-  command->add_option("-o,--output", options->output, "also as a page with pictures (with --trend)");
-  command->add_option("--plotly", options->plotly, "path of plotly.min.js, if the build could not fetch it");
+  command->add_option("--calibration", options->calibration,
+                      "calibration under whose model two sessions are compared");
+  command->add_flag("--trend", options->trend,
+                    "show the trend of every parameter over the stored calibrations");
+  command->add_option("-o,--output", options->output, "also write an HTML page with plots (with --trend)");
+  command->add_option("--plotly", options->plotly,
+                      "path of plotly.min.js, if it was not fetched during the build");
   command->add_flag("--json", options->json, "as JSON");
   options->files.declare(*command);
   command->footer(

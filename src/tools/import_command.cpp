@@ -144,37 +144,41 @@ std::string formatLines() {
 void addImportCommand(CLI::App& app, int& /*exitStatus*/) {
   auto options = std::make_shared<ImportOptions>();
   CLI::App* command =
-      app.add_subcommand("import", "A file of contacts or of an instrument's readings to a session bag");
+      app.add_subcommand("import", "Convert a table of contacts or an instrument's log to a session bag");
   command->add_option("file", options->request.file, "the measurements: a table, or one of the formats below")
       ->required();
   command->add_option("--artifact", options->artifact,
-                      "YAML: balls and points, the probe (needed for contacts)");
+                      "artifact file, YAML: balls, points and probe (needed for contacts)");
   command->add_option("--machine", options->machine, "three_axis, five_axis or the path of a URDF")
       ->required();
-  command->add_option("--columns", options->request.mapping,
-                      "YAML: what the file does not say of itself (docs/import.md)");
-  command->add_option("--format", options->request.format, "where it is not recognised by itself");
+  command->add_option(
+      "--columns", options->request.mapping,
+      "mapping, YAML: meaning, units and signs that the file does not state (docs/import.md)");
+  command->add_option("--format", options->request.format,
+                      "file format, if it is not recognised automatically");
   command->add_option("-o,--output", options->output, "the session's bag")->required();
   command->add_option("--compensation", options->compensation, kCompensationHelp);
-  command->add_flag("--json", options->json, "what was understood, as JSON on standard output");
+  command->add_flag("--json", options->json, "print how the file was interpreted as JSON on standard output");
   options->files.declare(*command);
   command->footer(
       "The package's own columns (any order, empty cells are not measured):\n"
-      "  time_s                        (else the order of the rows)\n"
+      "  time_s                        time (default: the order of the rows)\n"
       "  <joint>_mm, <joint>_deg       readings; a joint without a column stays at 0\n"
-      "  <joint>_velocity_mm_s, _deg_s direction of travel at the contact (without any, it is assumed: from "
-      "the\n"
-      "                                approach at a touch, from the order of positions at other readings)\n"
-      "  reading_mm                    laser\n"
+      "  <joint>_velocity_mm_s, _deg_s velocity at the contact (if missing, the direction of travel is "
+      "assumed:\n"
+      "                                from the approach at a touch, from the order of positions at other "
+      "readings)\n"
+      "  reading_mm                    reading of the laser probe\n"
       "  feature                       ball or point of the artifact; or, instead of it:\n"
       "  reference_x_mm, _y_mm, _z_mm  true position by an independent instrument\n"
       "  deviation_<joint>_um, _arcsec true minus indicated; weights deviation_<joint>_std_um, _std_arcsec\n"
-      "  setup                         rows of one setup share an unknown zero\n"
+      "  setup                         rows of one setup share one unknown zero\n"
       "  <sensor>_degC, <name>_<unit>  temperatures and any other covariate\n"
-      "Other people's tables: separators, decimal commas, units (inch, um, rad, K …), time stamps and usual "
-      "names "
-      "are\n"
-      "seen; what cannot be known is asked for with the line to write into the mapping. Formats:\n" +
+      "In other tables, separators, decimal commas, units (inch, um, rad, K …), time stamps and common "
+      "column "
+      "names are\n"
+      "recognised; for what the file does not state, the error message gives the line to add to the mapping. "
+      "Formats:\n" +
       formatLines() +
       "Examples:\n"
       "  mm import contacts.csv --artifact plate.yaml --machine three_axis -o plate.bag\n"

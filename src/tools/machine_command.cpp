@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/units.h"
+#include "machine/iso230_axes.h"
 #include "machine/new_machine.h"
 #include "tools/bounds.h"
 #include "tools/commands.h"
@@ -48,7 +49,7 @@ NewMachine::Axis axisOf(const std::string& text) {
   const std::size_t equal = travel.find('='), colon = travel.find(':'),
                     unit = travel.find_last_of("0123456789.") + 1;
   if (equal == std::string::npos || colon == std::string::npos || colon < equal || unit <= colon)
-    throw bad("is no axis with its travel");
+    throw bad("is not an axis with its travel");
   NewMachine::Axis axis;
   axis.name = travel.substr(0, equal);
   if (travel.substr(unit) != "mm" && travel.substr(unit) != "deg")
@@ -66,7 +67,7 @@ NewMachine::Axis axisOf(const std::string& text) {
   }
   const std::size_t standard = axis.name.size() == 1 ? std::string("xyz").find(axis.name) : std::string::npos;
   if (axis.kind == JointKind::kRotary || standard == std::string::npos)
-    throw bad("only linear axes x, y and z have a direction by their name; add @X,Y,Z");
+    throw bad("only linear axes named x, y or z have a default direction; add @X,Y,Z");
   axis.direction = Eigen::Vector3d::Unit(static_cast<Eigen::Index>(standard));
   return axis;
 }
@@ -82,7 +83,7 @@ std::string modelYaml(const Machine& machine, const std::string& urdf, bool lase
     for (std::size_t j = i + 1; j < linear.size(); ++j)
       text += "  - {type: squareness, axis: " + linear[i] + ", of: " + linear[j] + "}\n";
   if (laser) text += "  - {type: laser_mount}\n";
-  return text;
+  return linear.empty() && !laser ? "machine: " + urdf + "\neffects: []\n" : text;
 }
 
 void runNew(MachineOptions& o) {
@@ -99,6 +100,7 @@ void runNew(MachineOptions& o) {
   const Machine read(urdf, machine.name);  // what is written can be read
   o.files.write(o.output, urdf);
   std::cout << "machine '" << read.name() << "' with " << read.jointCount() << " axes written to " << o.output
+            << "\nkinematic chain from workpiece (w) over bed (b) to probe (t): " << kinematicChain(read)
             << '\n';
   if (o.model.empty()) return;
   const fs::path folder = fs::absolute(o.model).parent_path();
@@ -111,36 +113,38 @@ void runNew(MachineOptions& o) {
 
 void addMachineCommand(CLI::App& app, int& /*exitStatus*/) {
   auto o = std::make_shared<MachineOptions>();
-  CLI::App* machine = app.add_subcommand("machine", "Machines: a new one from its travels");
+  CLI::App* machine = app.add_subcommand("machine", "Create a machine description");
   machine->require_subcommand(1);
-  CLI::App* command = machine->add_subcommand("new", "A machine (URDF) and a first model, from its axes");
+  CLI::App* command = machine->add_subcommand(
+      "new", "Create a machine (URDF) and a first model from the travels of its axes");
   command
       ->add_option(
           "--axis", o->axes,
-          "NAME=FROM:TOmm[@X,Y,Z] or NAME=FROM:TOdeg@X,Y,Z: an axis, its travel and the direction of a "
-          "positive reading; again for more")
+          "NAME=FROM:TOmm[@X,Y,Z] or NAME=FROM:TOdeg@X,Y,Z: name, travel and positive direction of an axis; "
+          "repeatable")
       ->required()
       ->take_all()
       ->allow_extra_args(false);
   command->add_option("--probe", o->probe, "the probe")
       ->capture_default_str()
       ->check(CLI::IsMember({"touch", "laser"}));
-  command->add_option("--tip-mm", o->tip, "X,Y,Z: where the tip stands, from the last axis")
+  command->add_option("--tip-mm", o->tip, "X,Y,Z: position of the tip relative to the last axis")
       ->capture_default_str();
   command
       ->add_option("--speed-mm-s", o->speed,
-                   "largest speed of linear axes; rotary ones ten times that in mrad/s")
+                   "maximum speed of linear axes; of rotary axes, ten times this number in mrad/s")
       ->capture_default_str()
       ->check(numberWithin(1e-3, 1e4, "mm/s"));
-  command->add_option("-o,--output", o->output, "the machine's URDF; its name is the machine's")->required();
-  command->add_option("--model", o->model, "also a first model, YAML");
+  command->add_option("-o,--output", o->output, "the URDF to write; the file name is the name of the machine")
+      ->required();
+  command->add_option("--model", o->model, "also write a first model, YAML");
   o->files.declare(*command);
   command->footer(
-      "The axes come in the order from the workpiece to the probe. A table that moves the workpiece along + "
-      "of\n"
-      "its reading has the direction -: seen from the workpiece the probe goes back.\n"
-      "Example:\n  mm machine new --axis x=0:300mm@-1,0,0 --axis y=0:200mm --axis z=-100:0mm --tip-mm "
-      "0,0,-60 \\\n"
+      "Give the axes in order from the workpiece to the probe. An axis that moves the table towards + has "
+      "the\n"
+      "direction -: relative to the workpiece, the probe moves towards -.\n"
+      "Example:\n"
+      "  mm machine new --axis x=0:300mm@-1,0,0 --axis y=0:200mm --axis z=-100:0mm --tip-mm 0,0,-60 \\\n"
       "     -o mill.urdf --model mill.yaml");
   command->callback([o] { runNew(*o); });
 }

@@ -7,13 +7,13 @@
 #include "tools/program.h"
 
 int main(int argc, char** argv) {
-  CLI::App app{"Calibrates a measuring machine and finds the physical effect that its model misses.", "mm"};
+  CLI::App app{"Calibrate a measuring machine and find the physical effect that its model lacks.", "mm"};
   app.set_version_flag("--version", std::string("mm ") + mm::kVersion);
   app.require_subcommand(1);
   app.get_formatter()->column_width(34);
   app.footer(
-      "A session:  mm import contacts.csv --artifact artifact.yaml --machine three_axis -o session.bag\n"
-      "Each subcommand explains itself: mm import --help\n" +
+      "Make a session:  mm import contacts.csv --artifact artifact.yaml --machine three_axis -o session.bag\n"
+      "Help on a command: mm import --help\n" +
       std::string(mm::kExitStatusHelp));
   int exitStatus = mm::kDone;
   mm::addImportCommand(app, exitStatus);

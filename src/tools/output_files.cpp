@@ -46,9 +46,7 @@ std::vector<std::string>& filesWritten() {
 }  // namespace
 
 void OutputFiles::declare(CLI::App& command) {
-  command.add_flag("--force", force_,
-                   "replaces a file of another kind, session or machine; never what is measured or written "
-                   "by hand and read here");
+  command.add_flag("--force", force_, "overwrite an existing output; inputs are never overwritten");
 }
 
 void OutputFiles::output(const std::string& option, const std::string& file, FileKind kind) {
@@ -97,7 +95,7 @@ void OutputFiles::checkPlace(const Output& out) const {
   if (fs::is_directory(file)) throw InputError(out.file + ": is a folder; name a file");
   if (out.kind == FileKind::kBag && kindOf(file) == FileKind::kStream)
     throw InputError(out.option + " " + out.file +
-                     ": is no regular file, as a bag must be; name another file");
+                     ": is not a regular file, as a bag must be; name another file");
   if (keptByStore(file))
     throw InputError(out.option + " " + out.file +
                      ": lies in a folder of calibrations, which mm promote keeps; name a file elsewhere");
@@ -116,7 +114,7 @@ void OutputFiles::checkInputs(const Output& out) const {
       continue;
     }
     throw InputError(out.option + " " + out.file + ": " + why +
-                     "; nothing replaces an input: name another file");
+                     "; inputs are never overwritten: name another file");
   }
 }
 
@@ -150,17 +148,18 @@ void OutputFiles::checkContent(const Output& out) const {
   if (there == FileKind::kNothing || there == FileKind::kStream) return;
   if (there != out.kind)
     return refuseUnlessForced(out, "holds " + nameOf(there) + ", not " + nameOf(out.kind));
-  if (there == FileKind::kTable) return refuseUnlessForced(out, "holds a table that may have been measured");
+  if (there == FileKind::kTable)
+    return refuseUnlessForced(out, "holds a table that may contain measurements");
   for (const FileKind kind : {FileKind::kMachine, FileKind::kModel, FileKind::kPlan})
     if (there == kind)
-      return refuseUnlessForced(out, "holds " + nameOf(kind) + " that somebody may have worked on");
+      return refuseUnlessForced(out, "holds " + nameOf(kind) + " that may have been edited by hand");
   if (there != FileKind::kBag) return;
   const std::string origin = bagOrigin(out.file);
   if (origin != out.origin)
     refuseUnlessForced(out, "holds a session that was " + origin + ", not " + out.origin);
 }
 
-void OutputFiles::checkSession(const std::vector<std::string>& hashes) const {
+void OutputFiles::checkSession(const std::vector<std::string>& hashes, std::size_t steps) const {
   for (const Output& out : outputs_) {
     if (out.kind != FileKind::kCalibration || kindOf(out.file) != FileKind::kCalibration) continue;
     Calibration there;
@@ -172,7 +171,13 @@ void OutputFiles::checkSession(const std::vector<std::string>& hashes) const {
       refuseUnlessForced(out, "holds a calibration that is damaged or of a newer version");
       continue;
     }
-    if (std::find(hashes.begin(), hashes.end(), there.sessionHash) != hashes.end()) continue;
+    if (std::find(hashes.begin(), hashes.end(), there.sessionHash) != hashes.end()) {
+      if (there.ledger.size() > steps)
+        refuseUnlessForced(out, "holds a calibration with " + std::to_string(there.ledger.size()) +
+                                    " steps in its ledger, of which " + std::to_string(steps) +
+                                    " would be left");
+      continue;
+    }
     refuseUnlessForced(out, "holds the calibration of another session (machine " + there.machineName +
                                 ", from " + there.sessionSource + ", " + std::to_string(there.observations) +
                                 " observations, made " + there.created + ")");
@@ -187,7 +192,7 @@ void OutputFiles::refuseUnlessForced(const Output& out, const std::string& why) 
 
 void OutputFiles::declared(const std::string& file) const {
   if (std::none_of(outputs_.begin(), outputs_.end(), [&](const Output& o) { return o.file == file; }))
-    throw std::logic_error(file + " is written without having been checked");
+    throw std::logic_error(file + " is written without a check");
 }
 
 const std::vector<std::string>& OutputFiles::written() { return filesWritten(); }

@@ -46,8 +46,10 @@ class OutputFiles {
   /// @throw InputError: one line that names the option, the file, why it is refused, and the remedy.
   void check() const;
   /// Calibrations are of this session: checked when it was read, and before the work.
-  /// @param hashes of the session; more where it is used in two forms. @throw InputError.
-  void checkSession(const std::vector<std::string>& hashes) const;
+  /// One that is there is not replaced by one with fewer steps in its ledger.
+  /// @param hashes of the session; more where it is used in two forms. @param steps of the ledger that is
+  /// written. @throw InputError.
+  void checkSession(const std::vector<std::string>& hashes, std::size_t steps) const;
 
   /// @throw InputError: full disk, no permission. As the functions of the folders that they call.
   void write(const std::string& file, const std::string& text) const;

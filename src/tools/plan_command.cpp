@@ -183,9 +183,9 @@ std::string instrumentPlan(const PlanOptions& o, const Machine& machine, const s
 void runNew(PlanOptions& o) {
   const int kinds = (o.artifact.empty() ? 0 : 1) + (o.balls.empty() ? 0 : 1) + (o.positions == 0 ? 0 : 1);
   if (kinds != 1)
-    throw InputError(
-        std::string(kinds == 0 ? "nothing says what to measure" : "only one thing can be measured") +
-        ": give --artifact, --balls or --positions");
+    throw InputError(std::string(kinds == 0 ? "the plan needs something to measure"
+                                            : "only one kind of measurement is possible") +
+                     ": give --artifact, --balls or --positions");
   o.files.input(o.machine);
   o.files.input(o.artifact);
   o.files.output("-o", o.output, FileKind::kPlan);
@@ -208,35 +208,39 @@ void runNew(PlanOptions& o) {
 void addPlanCommand(CLI::App& app, int& /*exitStatus*/) {
   auto o = std::make_shared<PlanOptions>();
   CLI::App* plan =
-      app.add_subcommand("plan", "Measurement plans: a new one for a machine, a short one to verify");
+      app.add_subcommand("plan", "Create a measurement plan, for calibration or for verification");
   plan->require_subcommand(1);
   addPlanVerifyCommand(*plan);
-  CLI::App* command =
-      plan->add_subcommand("new", "A plan for a machine: an artifact touched all over, or its axes read");
+  CLI::App* command = plan->add_subcommand(
+      "new",
+      "Create a measurement plan for a machine: touch an artifact, or read the axes with an instrument");
   command->add_option("--machine", o->machine, "three_axis, five_axis or the path of a URDF")->required();
   command->add_option("--artifact", o->artifact,
-                      "YAML: the artifact to touch, where it lies in the workpiece frame");
+                      "artifact file, YAML: the artifact to touch and its position in the workpiece frame");
   command->add_option("--balls", o->balls,
-                      "<columns>x<rows>: or a plate of balls that fills the travels, e.g. 3x3");
+                      "<columns>x<rows>: touch a ball plate that fills the travels, e.g. 3x3");
   command->add_option("--ball-radius-mm", o->radius, "of --balls")
       ->capture_default_str()
       ->check(numberWithin(0.1, 500.0, "mm"));
   command->add_option("--tip-radius-mm", o->tip, "of --balls")
       ->capture_default_str()
       ->check(numberWithin(0.01, 50.0, "mm"));
-  command->add_option("--repeatability-um", o->repeatability, "of the probe, with --balls; 0: not stated")
+  command
+      ->add_option("--repeatability-um", o->repeatability,
+                   "repeatability of the probe, with --balls; 0: not stated")
       ->capture_default_str()
       ->check(numberWithin(0.0, 1e4, "um"));
-  command->add_option("--points", o->points, "touches of each ball")
+  command->add_option("--points", o->points, "contacts on each ball")
       ->capture_default_str()
       ->check(wholeNumberWithin(4, 10000));
-  command->add_option("--cone-deg", o->cone, "how far down from the top of a ball it is touched")
+  command->add_option("--cone-deg", o->cone, "largest angle of a contact from the top of the ball")
       ->capture_default_str()
       ->check(numberWithin(10.0, 120.0, "deg"));
   command
       ->add_option(
           "--positions", o->positions,
-          "or an independent instrument reads each linear axis at so many positions, both directions")
+          "read each linear axis with an independent instrument at this number of positions, in both "
+          "directions")
       ->check(wholeNumberWithin(2, 1000));
   command->add_option("--runs", o->runs, "of --positions")
       ->capture_default_str()
@@ -244,8 +248,9 @@ void addPlanCommand(CLI::App& app, int& /*exitStatus*/) {
   command->add_option("-o,--output", o->output, "the plan")->required();
   o->files.declare(*command);
   command->footer(
-      "The plan is a text to go on with; mm simulate tries it, the node measure runs it.\n"
-      "Examples:\n  mm plan new --machine mill.urdf --balls 3x3 --points 30 -o mill_plan.yaml\n"
+      "Edit the plan as needed. Try it with mm simulate; run it with the node measure.\n"
+      "Examples:\n"
+      "  mm plan new --machine mill.urdf --balls 3x3 --points 30 -o mill_plan.yaml\n"
       "  mm plan new --machine mill.urdf --positions 11 -o mill_axes.yaml");
   command->callback([o] { runNew(*o); });
 }

@@ -46,11 +46,12 @@ void runPlanVerify(PlanVerifyOptions& o) {
 void addPlanVerifyCommand(CLI::App& plan) {
   auto o = std::make_shared<PlanVerifyOptions>();
   CLI::App* command = plan.add_subcommand(
-      "verify", "About ten places of a plan, chosen to show whether a correction helps: for mm verify");
-  command->add_option("plan", o->plan, "YAML: the plan whose moves to choose from")->required();
-  command->add_option("--calibration", o->calibration, "the calibration that is to be verified")->required();
+      "verify", "Select about ten places of a plan that best show whether a correction helps, for mm verify");
+  command->add_option("plan", o->plan, "the plan to select moves from, YAML")->required();
+  command->add_option("--calibration", o->calibration, "the calibration to verify")->required();
   command
-      ->add_option("--places", o->size.places, "balls, postures at one ball, or positions of an instrument")
+      ->add_option("--places", o->size.places,
+                   "number of places: balls, postures at one ball, or positions of an instrument")
       ->capture_default_str()
       ->check(wholeNumberWithin(1, 1000));
   command->add_option("--touches", o->size.touches, "measurements of each place")
@@ -59,9 +60,11 @@ void addPlanVerifyCommand(CLI::App& plan) {
   command->add_option("-o,--output", o->output, "the plan to write")->required();
   o->files.declare(*command);
   command->footer(
-      "Chosen are the moves that best tell whether each axis is corrected, with which sign and from which\n"
-      "table, and what has changed since the calibration.\n"
-      "Example:\n  mm plan verify plate_plan.yaml --calibration plate.yaml -o verify_plan.yaml");
+      "Selects the moves that best show whether each axis is corrected, with which sign and from which "
+      "table,\n"
+      "and what has changed since the calibration.\n"
+      "Example:\n"
+      "  mm plan verify plate_plan.yaml --calibration plate.yaml -o verify_plan.yaml");
   command->callback([o] { runPlanVerify(*o); });
 }
 

@@ -64,8 +64,8 @@ void PriorOfSisters::match(const CalibrationResult& result) {
   if (!known)
     throw InputError(
         "--prior " + folder_ +
-        ": the sisters have no parameter of this model; calibrate them with the same effects, or leave "
-        "--prior out");
+        ": the machines there have no parameter of this model; calibrate them with the same effects, or omit "
+        "--prior");
 }
 
 void PriorOfSisters::judge(const CalibrationResult& result) {
@@ -84,7 +84,7 @@ void PriorOfSisters::judge(const CalibrationResult& result) {
     if (p >= least) continue;
     least = p;
     worst_ = u.sisters.name + " of " + u.sisters.effect +
-             format(" is %.3g ± %.2g %s here, %.3g ± %.2g %s in %zu sisters (k = 2)",
+             format(" is %.3g ± %.2g %s here, %.3g ± %.2g %s on %zu machines of the same type (k = 2)",
                     result.x[u.parameter] * u.toUnit, 2.0 * result.std(u.parameter) * u.toUnit,
                     u.sisters.unit.c_str(), u.sisters.mean, 2.0 * u.sisters.std, u.sisters.unit.c_str(),
                     u.sisters.machines);
@@ -145,18 +145,16 @@ void PriorOfSisters::judgeAnew(const CalibrationResult& alone, CalibrationResult
 void PriorOfSisters::tell(std::size_t fewest) const {
   if (contradicted_)
     std::cerr << "mm: warning: "
-              << oneLine(format("this machine is no sister of those in %s (chance %.2g): ", folder_.c_str(),
-                                chance_) +
-                         worst_ + "; the prior is not used")
+              << oneLine(
+                     format("this machine differs from those in %s (p = %.2g): ", folder_.c_str(), chance_) +
+                     worst_ + "; the prior is not used")
               << std::endl;
   else
-    std::cerr
-        << "mm: note: "
-        << oneLine(format(
-               "%zu parameters have a prior from at least %zu sister machines in %s; the session agrees "
-               "with it (chance %.2g)",
-               used_.size(), fewest, folder_.c_str(), chance_))
-        << std::endl;
+    std::cerr << "mm: note: "
+              << oneLine(format("%zu parameters have a prior from at least %zu machines in %s; the session "
+                                "agrees with it (p = %.2g)",
+                                used_.size(), fewest, folder_.c_str(), chance_))
+              << std::endl;
 }
 
 Recalibration PriorOfSisters::join(Recalibration fitted, const Session& session,

@@ -70,7 +70,7 @@ std::string unknownOption(const CLI::App& app, int argc, char** argv) {
     for (const CLI::Option* o : command->get_options())
       for (const std::string& l : o->get_lnames()) known.push_back("--" + l);
     if (std::find(known.begin(), known.end(), option) == known.end())
-      return "'" + option + "' is no option of " + name + didYouMean(option, known) + " (" + name +
+      return "'" + option + "' is not an option of " + name + didYouMean(option, known) + " (" + name +
              " --help lists them)";
   }
   return {};

@@ -7,7 +7,8 @@ namespace mm {
 
 void addRemoveCommand(CLI::App& app, int& exitStatus) {
   declareChange(
-      *app.add_subcommand("remove", "One effect less: everything is refitted, the ledger tells what it did"),
+      *app.add_subcommand(
+          "remove", "Remove an effect from the model, refit everything and record the result in the ledger"),
       removeEffect, false,
       "mm remove plate.bag --calibration plate2.yaml '{type: backlash, axis: x}' -o plate3.yaml", exitStatus);
 }

@@ -54,20 +54,22 @@ void runReport(ReportCommand& c) {
 void addReportCommand(CLI::App& app, int& /*exitStatus*/) {
   auto c = std::make_shared<ReportCommand>();
   CLI::App* command =
-      app.add_subcommand("report", "One self-contained HTML page about a session and its calibration");
+      app.add_subcommand("report", "Write a self-contained HTML report of a session and its calibration");
   c->bags.declare(*command);
   command->add_option("--calibration", c->calibration, "the calibration file")->required();
   command->add_option("-o,--output", c->output, "the page")->capture_default_str();
-  command->add_option("--curve", c->curves, "CSV of mm calibrate --curve; two are drawn beside each other")
+  command
+      ->add_option("--curve", c->curves, "CSV of mm calibrate --curve; two curves are plotted side by side")
       ->expected(1, 2);
-  command->add_option("--serial", c->serial, "serial number of the machine, for the page's head");
-  command->add_option("--operator", c->operatorName, "who measured, for the page's head");
-  command->add_option("--plotly", c->plotly, "path of plotly.min.js, if the build could not fetch it");
+  command->add_option("--serial", c->serial, "serial number of the machine, for the page header");
+  command->add_option("--operator", c->operatorName, "name of the operator, for the page header");
+  command->add_option("--plotly", c->plotly, "path of plotly.min.js, if it was not fetched during the build");
   c->files.declare(*command);
   c->fit.declare(*command, true);
   command->footer(
-      "The page opens without a network.\nExample:\n  mm report plate.bag --calibration plate.yaml -o "
-      "report.html");
+      "The page needs no network connection.\n"
+      "Example:\n"
+      "  mm report plate.bag --calibration plate.yaml -o report.html");
   command->callback([c] { runReport(*c); });
 }
 

@@ -90,8 +90,8 @@ SelectionSettings settingsOf(const SensorsOptions& options, double micrometres) 
   const std::string usual = options.estimator == "ksg" ? "prediction" : "information";
   settings.choice = choices.at(options.choose.empty() ? usual : options.choose);
   if (options.correction != "none" && options.estimator != "histogram")
-    throw InputError("--correction " + options.correction + " belongs to --estimator histogram, not to " +
-                     options.estimator + "; leave it out");
+    throw InputError("--correction " + options.correction +
+                     " applies to --estimator histogram only, not to " + options.estimator + "; omit it");
   return settings;
 }
 
@@ -185,7 +185,7 @@ void runSensors(SensorsOptions& options) {
   Interrupt::check();
   for (int s : selection.constant)
     std::cerr << "mm: warning: " << options.csv << ": column '"
-              << candidates.names[static_cast<std::size_t>(s)] << "' does not vary and is left out"
+              << candidates.names[static_cast<std::size_t>(s)] << "' does not vary and is not used"
               << std::endl;
   if (!options.picture.empty())
     options.files.write(options.picture, sensorsPicture(selection, candidates.names, positions,
@@ -201,69 +201,71 @@ void runSensors(SensorsOptions& options) {
 void addSensorsCommand(CLI::App& app, int& /*exitStatus*/) {
   auto options = std::make_shared<SensorsOptions>();
   CLI::App* command =
-      app.add_subcommand("sensors", "Which temperatures to measure, from a series of all candidates");
+      app.add_subcommand("sensors", "Select the temperature sensors that best predict a displacement");
   command
       ->add_option(
           "series", options->csv,
-          "CSV: a line of names, then one sample a row in the order of time; a session's bag; or the "
-          ".dat of a CalculiX run")
+          "CSV with a header and one sample per row in order of time; a session bag; or the .dat file of a "
+          "CalculiX run")
       ->required();
   command
       ->add_option("--target", options->target,
-                   "column of the displacement (unit by its ending: _um, _mm, _m); of a bag: the axis; of a "
-                   "CalculiX run: NOSE_x_m, a node set, the direction, and the deck's unit of length")
+                   "displacement: of a CSV the column (its suffix _um, _mm or _m gives the unit), of a bag "
+                   "the axis, of a CalculiX run node set, direction and length unit, e.g. NOSE_x_m")
       ->required();
   command->add_option("--max", options->largest, "largest set")
       ->capture_default_str()
       ->check(wholeNumberWithin(1, 64));
-  command->add_option("--estimator", options->estimator, "of the mutual information")
+  command->add_option("--estimator", options->estimator, "estimator of the mutual information")
       ->capture_default_str()
       ->check(CLI::IsMember({"ksg", "histogram", "correlation"}));
-  command->add_option("--bins", options->bins, "N,M: bins of temperature and of displacement (histogram)")
+  command
+      ->add_option("--bins", options->bins,
+                   "N,M: number of bins of temperature and of displacement (histogram)")
       ->delimiter(',')
       ->expected(2)
       ->capture_default_str()
       ->check(wholeNumberWithin(2, 10000));
   command
       ->add_option("--range", options->range,
-                   "temperature range of the bins: common to all sensors or one a sensor")
+                   "temperature range of the bins: common to all sensors, or one for each sensor")
       ->capture_default_str()
       ->check(CLI::IsMember({"common", "sensor"}));
-  command->add_option("--correction", options->correction, "of the histogram's bias")
+  command->add_option("--correction", options->correction, "bias correction of the histogram")
       ->capture_default_str()
       ->check(CLI::IsMember({"none", "miller_madow", "shuffle", "circular_shift"}));
   command
       ->add_option(
           "--choose", options->choose,
-          "prediction: sets by the error expected on other duties and on held-out blocks of time (default of "
-          "ksg); held_out: by information and held-out error; information: by information alone, as "
-          "published "
-          "(default of histogram and correlation)")
+          "criterion: prediction: error expected for other duty cycles and for held-out blocks of time "
+          "(default for ksg); held_out: information and held-out error; information: information alone, as "
+          "published (default for histogram and correlation)")
       ->check(CLI::IsMember({"prediction", "held_out", "information"}));
   command
       ->add_option("--accuracy-um", options->accuracyUm,
-                   "recommend the smallest set whose held-out error reaches it")
+                   "recommend the smallest set whose held-out error is within this value")
       ->check(numberWithin(0.0, 1e9, "um"));
-  command->add_option("--blocks", options->blocks, "blocks of time of the cross-validation")
+  command->add_option("--blocks", options->blocks, "number of time blocks in the cross-validation")
       ->capture_default_str()
       ->check(wholeNumberWithin(2, 1000));
-  command->add_option("--gap", options->gap, "samples beside a block that are not used")
+  command->add_option("--gap", options->gap, "number of samples on either side of a block that are not used")
       ->capture_default_str()
       ->check(wholeNumberWithin(0, 100000));
-  command->add_option("--seed", options->seed, "of all that is random")
+  command->add_option("--seed", options->seed, "seed of the random number generator")
       ->capture_default_str()
       ->check(anySeed());
   declareNamespace(*command, options->space);
   command->add_option("--picture", options->picture,
-                      "SVG: where the sensors sit, and the information and held-out error against m");
+                      "write an SVG of sensor positions, and of information and held-out error against the "
+                      "number of sensors");
   command
       ->add_option("--positions", options->positions,
-                   "CSV for the picture: sensor,x_mm,y_mm,z_mm, one row a sensor")
+                   "CSV with the sensor positions for --picture: sensor,x_mm,y_mm,z_mm")
       ->needs("--picture");
   command->add_flag("--json", options->json, "for programs");
   options->files.declare(*command);
   command->footer(
-      "Columns named t, time or time_<unit> are time; all others but the target are candidate sensors.\n"
+      "Columns named t, time or time_<unit> are times; all others except the target are candidate sensors.\n"
       "Example:  mm sensors housing.csv --target nose_um --max 2");
   command->callback([options] { runSensors(*options); });
 }

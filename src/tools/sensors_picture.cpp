@@ -246,7 +246,7 @@ Eigen::MatrixXd readSensorPositions(const std::string& file, const std::vector<s
   }
   for (std::size_t s = 0; s < sensors.size(); ++s)
     if (std::isnan(positions(static_cast<Eigen::Index>(s), 0)))
-      throw InputError(file + ": sensor '" + sensors[s] + "' has no position; add its row");
+      throw InputError(file + ": sensor '" + sensors[s] + "' has no position; add a row for it");
   return positions;
 }
 

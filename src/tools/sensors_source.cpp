@@ -28,7 +28,7 @@ SensorCandidates fromCsv(const std::string& file, const std::string& targetName)
     if (c != target && !isTimeColumn(series.names[static_cast<std::size_t>(c)])) columns.push_back(c);
   if (columns.empty())
     throw InputError(file + ": there is no column beside '" + targetName +
-                     "' and the time; add one column a sensor");
+                     "' and the time; add one column per sensor");
   candidates.temperatures.resize(series.values.rows(), static_cast<Eigen::Index>(columns.size()));
   for (std::size_t i = 0; i < columns.size(); ++i) {
     candidates.names.push_back(series.names[static_cast<std::size_t>(columns[i])]);
@@ -54,8 +54,8 @@ SensorCandidates fromCalculix(const std::string& file, const std::string& target
         if (name == target) candidates.displacement = results.mean[s].col(direction);
       }
   if (candidates.displacement.size() == 0)
-    throw InputError(file + ": --target: '" + target + "' is no displacement of a node set; " +
-                     (known.empty() ? "none was printed: *NODE PRINT, NSET=<set>, then U"
+    throw InputError(file + ": --target: '" + target + "' is not the displacement of a node set; " +
+                     (known.empty() ? "none was printed (*NODE PRINT, NSET=<set>, then U)"
                                     : "there are, by the deck's unit of length: " + known));
   return candidates;
 }
@@ -71,7 +71,7 @@ SensorCandidates fromBag(const std::string& file, const std::string& target, con
   if (joint < 0) {
     std::string names;
     for (const Joint& j : domain.joints) names += (names.empty() ? "" : ", ") + j.name;
-    throw InputError(file + ": --target: '" + target + "' is no axis of the machine; there are: " + names);
+    throw InputError(file + ": --target: '" + target + "' is not an axis of the machine; its axes: " + names);
   }
   if (domain.sensors.empty())
     throw InputError(file +

@@ -79,23 +79,26 @@ std::vector<Doubt> askFirst(const Session& session) {
 
 void declareNamespace(CLI::App& command, std::string& space) {
   command.add_option("--namespace", space,
-                     "of the topics, where the bag holds the sessions of several machines");
+                     "namespace of the topics, if the bag holds the sessions of several machines");
 }
 
 void FitOptions::declare(CLI::App& command, bool genetic) {
   command
       .add_option("--repeatability-um", repeatability,
-                  "noise of one measurement (else the model's, the artifact's, or found from repetitions)")
+                  "standard deviation of one measurement (default: from the model, the artifact or repeated "
+                  "measurements)")
       ->check(numberWithin(1e-6, 1e6, "um"));
-  command.add_flag("--keep-outliers", keepOutliers, "no outlier is set aside");
+  command.add_flag("--keep-outliers", keepOutliers, "use all observations, outliers included");
   command.add_flag("--white-noise", whiteNoise,
-                   "uncertainties as if no row knew of its neighbours, whatever the residuals show");
+                   "treat rows as independent, even if the residuals are correlated");
   declareNamespace(command, space);
   if (!genetic) return;
-  command.add_option("--seed", calibrate.seed, "of all that is drawn at random")
+  command.add_option("--seed", calibrate.seed, "seed of the random number generator")
       ->capture_default_str()
       ->check(anySeed());
-  command.add_option("--threads", calibrate.threads, "0: all cores; the result does not depend on it")
+  command
+      .add_option("--threads", calibrate.threads,
+                  "number of threads; 0: one per core; does not affect the result")
       ->capture_default_str()
       ->check(wholeNumberWithin(0, 1024));
 }
@@ -114,12 +117,16 @@ DiagnoseOptions FitOptions::checkedForDiagnosis() const { return diagnosing(chec
 void SessionAndCalibration::declare(CLI::App& command, const std::string& session) {
   bags.declare(command, session);
   command.add_option("--calibration", calibration, "the calibration file")->required();
-  command.add_flag("--json", json, "the result as JSON on standard output");
+  command.add_flag("--json", json, "print the result as JSON on standard output");
+}
+
+void warn(const std::vector<std::string>& doubts) {
+  for (const std::string& doubt : doubts) std::cerr << "mm: warning: " << oneLine(doubt) << std::endl;
 }
 
 int verdictOf(const CalibrationResult& result) {
   if (result.cancelled) {
-    std::cerr << "mm: stopped by Ctrl-C: what follows is the best found so far" << std::endl;
+    std::cerr << "mm: stopped by Ctrl-C: this is the best result so far" << std::endl;
     return kStopped;
   }
   const std::vector<std::string> doubts = doubtsOf(result);

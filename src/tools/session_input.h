@@ -19,7 +19,8 @@ struct Bags {
   std::vector<std::string> paths;
 
   /// Adds the positional option. @param session in words.
-  void declare(CLI::App& command, const std::string& session = "the session; several are judged together");
+  void declare(CLI::App& command,
+               const std::string& session = "the session, or several to evaluate together");
   std::string joined() const;  ///< "a.bag:b.bag", as services take them
 };
 
@@ -67,6 +68,8 @@ struct SessionAndCalibration {
   void declare(CLI::App& command, const std::string& session);
 };
 
+/// A warning on standard error each.
+void warn(const std::vector<std::string>& doubts);
 /// Says what Ctrl-C and doubtful results mean: a line on standard error each. @return exit status: done, the
 /// answer is no, or stopped.
 int verdictOf(const CalibrationResult& result);

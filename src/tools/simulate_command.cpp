@@ -73,30 +73,30 @@ void runSimulate(SimulateOptions& options) {
 void addSimulateCommand(CLI::App& app, int& /*exitStatus*/) {
   auto options = std::make_shared<SimulateOptions>();
   CLI::App* command =
-      app.add_subcommand("simulate", "Measures a plan with the simulated instrument, faster than real time");
+      app.add_subcommand("simulate", "Simulate the measurement of a plan, faster than real time");
   command->add_option("--machine", options->machine, "three_axis, five_axis or the path of a URDF")
       ->required();
-  command->add_option("--plan", options->plan, "YAML: the artifact and what to measure; see config/plans")
-      ->required();
+  command->add_option("--plan", options->plan, "measurement plan, YAML; see config/plans")->required();
   command
       ->add_option("--hide", options->request.hide,
-                   "an effect to hide, again for more: backlash, backlash:x=3um, random (see below)")
+                   "effect that the simulated machine has: backlash, backlash:x=3um, random (see below); "
+                   "repeatable")
       ->take_all()
       ->allow_extra_args(false);
-  command->add_option(
-      "--rough", options->request.rough,
-      "rougher than white noise: drift, correlated, form, sensors, tails, quantised, all (see "
-      "below), separated by commas");
-  command->add_option(
-      "--correction", options->correction,
-      "CSV: the compensation table that the simulated controller has loaded (mm apply --table)");
+  command->add_option("--rough", options->request.rough,
+                      "disturbances in addition to white noise, separated by commas: drift, correlated, "
+                      "form, sensors, tails, "
+                      "quantised, all (see below)");
+  command->add_option("--correction", options->correction,
+                      "compensation table that the simulated controller uses, CSV (mm apply --table)");
   command->add_option("--compensation", options->compensation, kCompensationHelp);
-  command->add_option("--seed", options->request.seed, "of everything random")
+  command->add_option("--seed", options->request.seed, "seed of the random number generator")
       ->capture_default_str()
       ->check(anySeed());
   command->add_option("-o,--output", options->output, "the session's bag")->required();
-  command->add_option("--csv", options->csv, "also as CSV, in the format of mm import");
-  command->add_option("--truth", options->truth, "also what was hidden, as YAML: the bag does not tell");
+  command->add_option("--csv", options->csv, "also write the session as CSV in the format of mm import");
+  command->add_option("--truth", options->truth,
+                      "write the hidden effects as YAML; the bag does not contain them");
   options->files.declare(*command);
   std::string kinds, uncatalogued;
   for (const SourceKind& kind : sourceKinds()) {
@@ -107,17 +107,20 @@ void addSimulateCommand(CLI::App& app, int& /*exitStatus*/) {
   }
   for (const SourceKind& kind : uncataloguedSourceKinds()) uncatalogued += "  " + kind.type + "\n";
   command->footer(
-      "What can be hidden (what is left open is drawn by the seed; =size and ,key=value set it):\n" + kinds +
-      "Effects outside the catalogue of effects (never drawn by random, but by random_uncatalogued):\n" +
+      "Effects for --hide (=size and ,key=value set values; the others are drawn at random from the "
+      "seed):\n" +
+      kinds + "Effects outside the catalogue (drawn by random_uncatalogued, never by random):\n" +
       uncatalogued +
-      "How a session can be rough; a size (drift=2) is a factor of the repeatability, 1 if left out:\n"
-      "  drift       every joint drifts slowly and follows no sensor; RMS over the session\n"
-      "  correlated  the noise of a reading is correlated 0.7 with that of the reading before\n"
+      "Disturbances for --rough; a size (drift=2) is a multiple of the repeatability, default 1:\n"
+      "  drift       every joint drifts slowly, unrelated to any sensor; the size is the RMS over the "
+      "session\n"
+      "  correlated  the noise of successive readings has a correlation of 0.7\n"
       "  form        balls with form, radius and centre errors\n"
       "  sensors     temperatures with noise, steps, offsets and lags of 30 to 300 s\n"
-      "  tails       noise of Student's t with three degrees of freedom; 1 % of the readings are wild\n"
-      "  quantised   readings in steps, of 3 times the repeatability if left out\n"
-      "  all         all of these but quantised\n"
+      "  tails       noise follows Student's t with three degrees of freedom; 1 % of the readings are gross "
+      "errors\n"
+      "  quantised   readings are rounded to steps, by default 3 times the repeatability\n"
+      "  all         all of these except quantised\n"
       "Examples:\n"
       "  mm simulate --machine three_axis --plan config/plans/nine_ball_plate.yaml --hide random --seed 7 -o "
       "s.bag\n"

@@ -37,7 +37,7 @@ void checkSameMachine(const CalibrationStore& store, const Calibration& next) {
   throw InputError(store.folder().string() + ": the active calibration '" + active->id +
                    "' is of another machine ('" + active->machineName + "') than '" + next.id + "' ('" +
                    next.machineName + "'): " + difference +
-                   "; give each machine a --store of its own, or replace it with --force");
+                   "; use a separate --store for each machine, or replace it with --force");
 }
 
 void promote(const StoreOptions& options, bool force) {
@@ -51,7 +51,7 @@ void promote(const StoreOptions& options, bool force) {
     id = store.add(calibration);
   } else if (!id.empty() && fs::is_regular_file(id)) {
     throw InputError(id + ": is " + nameOf(kindOf(id)) +
-                     ", not a calibration; mm calibrate -o makes one, which is promoted by its file");
+                     ", not a calibration; make one with mm calibrate -o and promote that file");
   }
   id = store.promote(id, [&](const Calibration& next) {
     if (!force) checkSameMachine(store, next);
@@ -69,19 +69,19 @@ void rollback(const StoreOptions& options) {
 
 void addPromoteCommand(CLI::App& app, int& /*exitStatus*/) {
   auto options = std::make_shared<StoreOptions>();
-  CLI::App* command = app.add_subcommand("promote", "Makes a calibration the active one");
+  CLI::App* command = app.add_subcommand("promote", "Make a calibration active");
   command->add_option("id", options->id,
-                      "id from mm history, or a calibration's file (default: the candidate)");
+                      "id from mm history, or a calibration file (default: the candidate)");
   options->declare(*command);
   auto force = std::make_shared<bool>(false);
-  command->add_flag("--force", *force, "also where the active one is of another machine");
+  command->add_flag("--force", *force, "promote even if the active calibration is of another machine");
   command->callback([options, force] { promote(*options, *force); });
 }
 
 void addRollbackCommand(CLI::App& app, int& /*exitStatus*/) {
   auto options = std::make_shared<StoreOptions>();
-  CLI::App* command = app.add_subcommand("rollback", "Makes active again what was active before");
-  command->add_option("id", options->id, "id from mm history (default: the one before)");
+  CLI::App* command = app.add_subcommand("rollback", "Make the previously active calibration active again");
+  command->add_option("id", options->id, "id from mm history (default: the previously active one)");
   options->declare(*command);
   command->callback([options] { rollback(*options); });
 }

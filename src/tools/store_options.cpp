@@ -9,8 +9,8 @@ namespace mm {
 void StoreOptions::declare(CLI::App& command) {
   command.add_option("--store", folder,
                      "folder of calibrations (default: $MM_CALIBRATIONS, else "
-                     "~/.measuring_machine/calibrations; a machine with "
-                     "a serial or a namespace has a folder of that name in it)");
+                     "~/.measuring_machine/calibrations, with a subfolder for each machine that has a serial "
+                     "number or a namespace)");
 }
 
 CalibrationStore StoreOptions::store() const {

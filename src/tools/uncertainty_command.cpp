@@ -46,7 +46,7 @@ void runUncertainty(UncertaintyCommand& c, int& exitStatus) {
   for (const std::string& note : result.notes) std::cerr << "mm: note: " << note << '\n';
   for (const std::string& why : result.outside)
     std::cerr << "mm: warning: the calibration does not hold " << why
-              << "; the uncertainty is not known there\n";
+              << "; the uncertainty there is unknown\n";
   for (const TaskVerdict& v : verdicts)
     if (v.conformity != Conformity::kConforms) exitStatus = kAnswerIsNo;
   if (!result.outside.empty()) exitStatus = kAnswerIsNo;
@@ -56,20 +56,24 @@ void runUncertainty(UncertaintyCommand& c, int& exitStatus) {
 
 void addUncertaintyCommand(CLI::App& app, int& exitStatus) {
   auto c = std::make_shared<UncertaintyCommand>();
-  CLI::App* command = app.add_subcommand(
-      "uncertainty", "How uncertain a measurement on the calibrated machine is, and by what");
+  CLI::App* command =
+      app.add_subcommand("uncertainty",
+                         "Evaluate the uncertainty of a measurement task on the calibrated machine, with its "
+                         "budget");
   command->add_option("calibration", c->calibration, "the calibration file")->required();
-  command->add_option("--task", c->options.task, "what is measured, see below")->required();
+  command->add_option("--task", c->options.task, "measurement task, see below")->required();
   command->add_option("--session", c->session,
-                      "a bag of this machine, the calibrated one first of all: its residuals tell in which "
-                      "direction the unexplained remainder lies, and how much of it is smooth");
+                      "session bag of this machine, preferably the calibrated one: its residuals give the "
+                      "direction of the unexplained error and its smooth part");
   declareNamespace(*command, c->fit.space);
   c->options.declare(*command);
-  command->add_flag("--json", c->json, "one JSON object instead of text");
+  command->add_flag("--json", c->json, "print one JSON object instead of text");
   command->footer(
       "Tasks (mm, workpiece):\n" + taskHelp() +
-      "Machines that the calibration holds possible measure the task (GUM Supplement 1, ISO/TS 15530-4).\n"
-      "Verdicts by ISO 14253-1; where the calibration does not hold, or one is not \"conforms\": exit 1.\n"
+      "The task is simulated on machines drawn from the calibration's distribution (GUM Supplement 1,\n"
+      "ISO/TS 15530-4). Conformity is decided by ISO 14253-1. Exit status 1: a verdict is not \"conforms\", "
+      "or the\n"
+      "calibration is not valid for the task.\n"
       "Example: mm uncertainty c.yaml --task distance:0,0,0:15,10,0 --temperature bed=21.5");
   command->callback([c, &exitStatus] { runUncertainty(*c, exitStatus); });
 }

@@ -69,29 +69,29 @@ void declareConditions(CLI::App& command, UncertaintyOptions& c) {
   command
       .add_option("--temperature", c.temperatures,
                   "sensor=degC, or sensor=degC+-K with its standard uncertainty (default: middle of the "
-                  "calibrated range); once a sensor")
+                  "calibrated range); repeatable")
       ->take_all()
       ->allow_extra_args(false);
   command
       .add_option("--direction", c.directions,
-                  "axis=+1 or axis=-1: travel of an axis at points without a contact (default: +1)")
+                  "axis=+1 or axis=-1: direction of travel at points without a contact (default: +1)")
       ->take_all()
       ->allow_extra_args(false);
   command
-      .add_option("--joint", c.joints, "axis=deg (or mm): where an axis stands that the task does not move")
+      .add_option("--joint", c.joints, "axis=deg (or mm): position of an axis that the task does not move")
       ->take_all()
       ->allow_extra_args(false);
   command.add_option("--approach", c.approach,
-                     "x,y,z: direction of approach at the points of distance and position");
+                     "x,y,z: direction of approach for the tasks distance and position");
   command
       .add_option("--points", c.points.points,
-                  "contacts on the feature, or targets of ISO 230-2 (default: as usual)")
+                  "number of contacts on the feature, or of ISO 230-2 targets (default: by task)")
       ->check(wholeNumberWithin(3, 1000));
   command
       .add_option("--at-s", c.conditions.time,
                   "time on the clock of the calibrated session (default: its end)")
       ->check(numberWithin(0.0, 1e9, "s"));
-  command.add_option("--interval-s", c.conditions.interval, "from point to point, for the drift")
+  command.add_option("--interval-s", c.conditions.interval, "time from point to point, for the drift")
       ->check(numberWithin(0.0, 1e6, "s"))
       ->capture_default_str();
   command.add_option("--speed-mm-s", c.speedMm, "of the approach")
@@ -99,11 +99,12 @@ void declareConditions(CLI::App& command, UncertaintyOptions& c) {
       ->capture_default_str();
   command
       .add_option("--margin", c.conditions.margin,
-                  "how far beyond the calibrated range it holds, as a fraction")
+                  "margin beyond the calibrated range within which it is valid, as a fraction of the range")
       ->check(numberWithin(0.0, 10.0))
       ->capture_default_str();
   command
-      .add_option("--repeatability-um", c.repeatabilityUm, "of the probe (default: that of the calibration)")
+      .add_option("--repeatability-um", c.repeatabilityUm,
+                  "repeatability of the probe (default: that of the calibration)")
       ->check(numberWithin(0.0, 1e6, "um"));
   command.add_option("--artifact-scale-um-m", c.scale, "standard uncertainty of the artifact's scale, um/m")
       ->check(numberWithin(0.0, 1e6, "um/m"));
@@ -112,36 +113,38 @@ void declareConditions(CLI::App& command, UncertaintyOptions& c) {
                   "standard uncertainty of the radius of the ball on which the tip was qualified")
       ->check(numberWithin(0.0, 1e6, "um"));
   command
-      .add_option(
-          "--remainder-length-mm", c.remainderMm,
-          "over which the unexplained remainder changes (default: a quarter of the volume's diagonal)")
+      .add_option("--remainder-length-mm", c.remainderMm,
+                  "correlation length of the unexplained error (default: a quarter of the volume's diagonal)")
       ->check(numberWithin(0.0, 1e6, "mm"));
 }
 
 void declareDecision(CLI::App& command, UncertaintyOptions& c) {
   command.add_option("--quantity", c.trials.quantity,
-                     "figure of the task that is asked (default: its first)");
+                     "quantity of the task to evaluate (default: its first)");
   command
       .add_option("--tolerance-um", c.toleranceUm,
-                  "+- about the nominal value; of a form or a range its limit")
+                  "tolerance +- about the nominal value; for form or range, the upper limit")
       ->check(numberWithin(0.0, 1e6, "um"));
-  command.add_option("--measured-mm", c.measuredMm, "value that was found (default: as is to be expected)")
+  command.add_option("--measured-mm", c.measuredMm, "measured value (default: the expected value)")
       ->check(numberWithin(-1e6, 1e6, "mm"));
   command.add_option("--mpe", c.mpe,
                      "A,K[,B]: maximum permissible error A um + L/K of lengths (L in mm), at most B um");
   command.add_option("--mpe-probing-um", c.mpeProbingUm, "maximum permissible probing error")
       ->check(numberWithin(0.0, 1e6, "um"));
-  command.add_option("--seed", c.trials.seed, "of the random numbers")
+  command.add_option("--seed", c.trials.seed, "seed of the random number generator")
       ->check(anySeed())
       ->capture_default_str();
   command
       .add_option("--trials", c.trials.trials,
-                  "so many (default: until the digits are stable, GUM Supplement 1, 7.9)")
+                  "number of trials (default: until the digits are stable, GUM Supplement 1, 7.9)")
       ->check(wholeNumberWithin(100, 100000000));
-  command.add_option("--digits", c.trials.digits, "of the standard uncertainty that must be stable")
+  command
+      .add_option("--digits", c.trials.digits,
+                  "number of digits of the standard uncertainty that must be stable")
       ->check(wholeNumberWithin(1, 2))
       ->capture_default_str();
-  command.add_option("--threads", c.threads, "0: one a core; the result does not depend on it")
+  command
+      .add_option("--threads", c.threads, "number of threads; 0: one per core; does not affect the result")
       ->check(wholeNumberWithin(0, 1024));
 }
 
@@ -173,7 +176,7 @@ TaskConditions UncertaintyOptions::conditionsFor(const Domain& domain) const {
     const std::vector<double> v = listOfNumbers(approach, "--approach", 3, kExample);
     const Eigen::Vector3d way(v[0], v[1], v[2]);
     if (!(way.norm() > 0.0))
-      throw InputError("--approach '" + approach + "' is no direction; write " + kExample);
+      throw InputError("--approach '" + approach + "' is not a direction; write " + kExample);
     given.approach = way.normalized();
   }
   given.repeatability = repeatabilityUm < 0.0 ? -1.0 : repeatabilityUm * kMicrometre;

@@ -28,7 +28,7 @@ int runUpdate(UpdateOptions& c) {
   c.files.check();
   CalibrateOptions options = c.fit.checked();
   const Calibration before = loadCalibration(c.calibration);
-  c.files.checkSession({before.sessionHash});
+  c.files.checkSession({before.sessionHash}, before.ledger.size() + 1);
   const Session session = loadSession(c.bags.joined(), before, c.fit.space);
   std::optional<Recalibration> done;
   {
@@ -40,15 +40,15 @@ int runUpdate(UpdateOptions& c) {
   const LedgerEntry& step = done->calibration.ledger.back();
   if (step.heldOutAfter > step.heldOutBefore)
     std::cerr
-        << "mm: warning: held out by blocks the updated networks are worse than those before; this kind of "
-           "network does not follow the new session: keep "
-        << c.calibration << ", or learn both sessions with the network that predicts best (network: auto)"
+        << "mm: warning: in block cross-validation the updated networks are worse than the old ones; this "
+           "kind of network does not fit the new session: keep "
+        << c.calibration << ", or train on both sessions with the network that predicts best (network: auto)"
         << std::endl;
   if (c.json) {
     std::cout << changeJson(done->result, done->calibration.ledger) << '\n';
     return 0;
   }
-  std::cout << ledgerText(done->calibration.ledger, !std::isfinite(done->result.figures.rms));
+  std::cout << ledgerText(done->calibration, !std::isfinite(done->result.figures.rms));
   for (const LearnedNetwork& n : done->calibration.networks) std::cout << "  " << n.summary << '\n';
   if (!c.output.empty()) std::cout << "\nwritten to " << c.output << '\n';
   return 0;
@@ -59,15 +59,16 @@ int runUpdate(UpdateOptions& c) {
 void addUpdateCommand(CLI::App& app, int& exitStatus) {
   auto c = std::make_shared<UpdateOptions>();
   CLI::App* command = app.add_subcommand(
-      "update", "Teaches the thermal networks of a calibration a new session; nothing else changes");
+      "update", "Train the thermal networks of a calibration with a new session; change nothing else");
   c->declare(*command, "the new session");
   command->add_option("-o,--output", c->output, "the new calibration file");
   c->files.declare(*command);
   c->fit.declare(*command, false);
   command->footer(
-      "What the networks learned before stays in the file and is learned again with the new sets.\n"
-      "mm add and mm remove refit everything to one session: then they learn from that one alone.\n"
-      "Example:\n  mm update tuesday.bag --calibration monday.yaml -o both.yaml");
+      "The training data in the file are kept, and the networks are trained on old and new data together.\n"
+      "mm add and mm remove refit everything, networks included, to their session alone.\n"
+      "Example:\n"
+      "  mm update tuesday.bag --calibration monday.yaml -o both.yaml");
   command->callback([c, &exitStatus] { exitStatus = runUpdate(*c); });
 }
 

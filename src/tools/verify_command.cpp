@@ -29,8 +29,8 @@ std::string takenBack(const VerifyCommand& c, const Calibration& calibration, co
   if (!kept.empty()) return kept;
   CalibrationStore store = c.store.storeFor(calibration);
   if (store.linked("active") != calibration.id)
-    return "calibration " + calibration.id + " is not the active one in " + store.folder().string() +
-           ", nothing is rolled back";
+    return "calibration " + calibration.id + " is not the active calibration in " + store.folder().string() +
+           ", so nothing is rolled back";
   const std::string before = store.rollback();
   return "rolled back: " + before + " is active again in " + store.folder().string();
 }
@@ -55,7 +55,7 @@ int runVerify(const VerifyCommand& c) {
   try {
     lost = keepAnswer(c.store.storeFor(calibration), calibration, session, *found);
   } catch (const InputError& e) {
-    lost = std::string("the answer is not kept: ") + e.what();
+    lost = std::string("the verdict is not stored: ") + e.what();
   }
   if (!lost.empty()) std::cerr << "mm: warning: " << lost << std::endl;
   if (found->verdict == VerifyVerdict::kHelped) return kDone;
@@ -68,23 +68,26 @@ int runVerify(const VerifyCommand& c) {
 void addVerifyCommand(CLI::App& app, int& exitStatus) {
   auto c = std::make_shared<VerifyCommand>();
   CLI::App* command =
-      app.add_subcommand("verify", "Did the correction help? Says so from a few fresh points");
-  c->declare(*command, "the fresh session: ten places that were not used for the calibration are enough");
-  command->add_flag("--loaded", c->loaded, "the controller corrected while the session was measured");
+      app.add_subcommand("verify", "Verify with a few fresh points whether the correction helps");
+  c->declare(*command, "the fresh session: ten places not used for the calibration are enough");
+  command->add_flag("--loaded", c->loaded, "the controller's compensation was active during the session");
   command->add_option("--export", c->exported,
-                      "the folder of mm export whose tables were loaded (with --loaded): what they cannot "
-                      "carry is no fault of the machine");
+                      "the folder of mm export whose tables were loaded (with --loaded): errors that they "
+                      "cannot carry are not judged");
   command->add_flag("--roll-back", c->rollBack,
-                    "where the machine is not better with it: what was active before becomes active again");
+                    "if the correction does not help, make the previously active calibration active again");
   c->store.declare(*command);
   c->fit.declare(*command, false);
   command->footer(
-      "Nothing of the calibration is refitted. With --loaded the readings should be free of error; without,\n"
-      "they are raw, and the correction should take their error away. The answer names a table that is not\n"
-      "loaded, has the wrong sign or stands at another axis, and what changed since the calibration. Where "
-      "the\n"
-      "calibration is kept in the store, so is the answer; its certificate states it.\n"
-      "Examples:\n  mm plan verify plan.yaml --calibration c.yaml -o verify.yaml\n"
+      "The calibration is not refitted. With --loaded the readings should have no error; without it they "
+      "are\n"
+      "uncorrected, and the correction should remove their error. The verdict names a table that is not "
+      "loaded, has\n"
+      "the wrong sign or belongs to another axis, and what has changed since the calibration. If the "
+      "calibration is\n"
+      "in the store, the verdict is stored with it and appears on its certificate.\n"
+      "Examples:\n"
+      "  mm plan verify plan.yaml --calibration c.yaml -o verify.yaml\n"
       "  mm verify fresh.bag --calibration c.yaml --loaded --export for_linuxcnc\n"
       "  mm verify fresh.bag --calibration c.yaml --roll-back");
   command->callback([c, &exitStatus] { exitStatus = runVerify(*c); });

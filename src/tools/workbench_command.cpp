@@ -59,25 +59,32 @@ int runWorkbench(WorkbenchCommand& c) {
 void addWorkbenchCommand(CLI::App& app, int& exitStatus) {
   auto c = std::make_shared<WorkbenchCommand>();
   CLI::App* command =
-      app.add_subcommand("workbench", "The whole loop on a page in the browser, until Ctrl-C");
+      app.add_subcommand("workbench", "Serve the workbench, a page in the browser, until Ctrl-C");
   c->bags.declare(*command);
   command->add_option("--calibration", c->calibration,
-                      "the calibration to begin with (default: a model without effects)");
-  command->add_option("--port", c->server.port, "0: any that is free")
+                      "the calibration to start with (default: a model without effects)");
+  command->add_option("--port", c->server.port, "port to listen on; 0: any free port")
       ->capture_default_str()
       ->check(wholeNumberWithin(0, 65535));
-  command->add_option("--address", c->server.address, "to listen on; the token is all that protects it")
+  command
+      ->add_option("--address", c->server.address,
+                   "address to listen on; access is protected by the token only")
       ->capture_default_str();
-  command->add_option("--host", c->server.hosts, "further names under which a browser reaches it");
-  command->add_option("--store", c->store, "folder of calibrations, as of mm promote");
-  command->add_option("--threads", c->bench.threads, "0: all cores; the result does not depend on it")
+  command->add_option("--host", c->server.hosts,
+                      "further host name by which a browser reaches it; repeatable");
+  command->add_option("--store", c->store, "folder of calibrations, as for mm promote");
+  command
+      ->add_option("--threads", c->bench.threads,
+                   "number of threads; 0: one per core; does not affect the result")
       ->capture_default_str()
       ->check(wholeNumberWithin(0, 1024));
   declareNamespace(*command, c->space);
   command->footer(
-      "Prints the address to open in a browser of this computer, with the token that it asks for. What is "
-      "added\nis kept in the folder of calibrations, as candidate.\n"
-      "Example:\n  mm workbench plate.bag");
+      "Prints the address to open in a browser on this computer, including the access token. A calibration "
+      "with an\n"
+      "added effect is stored in the folder of calibrations as candidate.\n"
+      "Example:\n"
+      "  mm workbench plate.bag");
   command->callback([c, &exitStatus] { exitStatus = runWorkbench(*c); });
 }
 

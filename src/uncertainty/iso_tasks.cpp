@@ -149,7 +149,7 @@ MeasurementTask positioningTask(const std::string& axis, int targets, const Mode
     if (j.kind == JointKind::kLinear) names.push_back(j.name);
   const std::string task = "--task 'iso230-2:" + axis + "': ";
   if (joint < 0 || domain.joints[static_cast<std::size_t>(joint)].kind != JointKind::kLinear)
-    throw InputError(task + "'" + axis + "' is no linear axis of this machine; it has " + listOf(names));
+    throw InputError(task + "'" + axis + "' is not a linear axis of this machine; it has " + listOf(names));
   std::vector<double> q;
   for (std::size_t j = 0; j < domain.joints.size(); ++j)
     q.push_back(0.5 * (domain.lower[j] + domain.upper[j]));
@@ -157,12 +157,12 @@ MeasurementTask positioningTask(const std::string& axis, int targets, const Mode
   const double range = domain.upper[j] - domain.lower[j];
   if (!(range >= kShortestLine))
     throw InputError(task +
-                     format("it was calibrated over %.3g mm, which is no travel; 1 mm or more is needed",
+                     format("it was calibrated over %.3g mm, which is too short; 1 mm or more is needed",
                             range / kMillimetre));
   const int least = std::max(kTargets, static_cast<int>(std::ceil(kTargets * range)));
   if (targets != 0 && targets < least)
-    throw InputError(
-        task + format("--points %d is fewer than the five targets a metre of ISO 230-2: %d", targets, least));
+    throw InputError(task + format("--points %d is fewer than the five targets per metre of ISO 230-2: %d",
+                                   targets, least));
   const std::vector<double> targetsAt =
       shiftedTargets(targets == 0 ? least : targets, (1.0 - 2.0 * kInset) * range);
   const double beam = domain.laser ? 0.5 * (domain.readingLower + domain.readingUpper) : kNotMeasured;

@@ -127,7 +127,7 @@ class TaskReader {
   Eigen::Vector3d direction(std::size_t index) const {
     const std::vector<double> v = numbers(index, 3, 3);
     const Eigen::Vector3d d(v[0], v[1], v[2]);
-    if (!(d.norm() > kShortestTask)) refuse("'" + part(index) + "' is no direction: its length is zero");
+    if (!(d.norm() > kShortestTask)) refuse("'" + part(index) + "' is not a direction: its length is zero");
     return d.normalized();
   }
   double length(double value, const char* what) const {
@@ -142,7 +142,7 @@ class TaskReader {
   int points(int usual, int fewest) const {
     if (options_.points != 0 && options_.points < fewest)
       refuse("--points " + std::to_string(options_.points) + " is fewer than the " + std::to_string(fewest) +
-             " that it takes");
+             " that it needs");
     return options_.points != 0 ? options_.points : usual;
   }
 

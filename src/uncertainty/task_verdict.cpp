@@ -18,7 +18,7 @@ std::string judgementInWords(const TaskVerdict& v, double nominal, bool oneSided
                             (v.limits.upper - nominal) / kMicrometre);
   text += format(", standard uncertainty %.2g um, ", v.std / kMicrometre);
   if (!v.acceptance.exists || (oneSided && v.acceptance.upper < nominal))
-    return text + "which is too large for this tolerance: no value would conform";
+    return text + "which is too large for this tolerance: no value can conform";
   return text + (oneSided ? "accepted up to " : "accepted within +-") + um(v.acceptance.upper);
 }
 
@@ -82,7 +82,7 @@ std::vector<TaskVerdict> verdictsOf(const TaskUncertainty& result, const Toleran
   std::vector<TaskVerdict> verdicts;
   const QuantityUncertainty& headline = result.quantities[result.headline];
   if (std::isfinite(asked.measured) && !std::isfinite(asked.tolerance))
-    throw InputError("--measured-mm needs the tolerance to which it is held: --tolerance-um");
+    throw InputError("--measured-mm needs a tolerance: --tolerance-um");
   if (std::isfinite(asked.tolerance))
     verdicts.push_back(
         judged(headline, std::isfinite(asked.measured) ? asked.measured : headline.mean, asked.tolerance));

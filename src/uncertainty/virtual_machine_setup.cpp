@@ -50,7 +50,7 @@ int jointNamed(const std::string& name, const Domain& domain, const char* option
   std::vector<std::string> names;
   for (const Joint& joint : domain.joints) names.push_back(joint.name);
   if (j < 0)
-    throw InputError(std::string(option) + ": '" + name + "' is no axis of this machine" +
+    throw InputError(std::string(option) + ": '" + name + "' is not an axis of this machine" +
                      didYouMean(name, names) + "; it has " + listOf(names));
   return j;
 }
@@ -101,7 +101,7 @@ State VirtualMachine::blank(const TaskConditions& conditions) {
   for (const TaskConditions::Temperature& t : conditions.temperatures) {
     const int s = d.findSensor(t.sensor);
     if (s < 0)
-      throw InputError("--temperature: '" + t.sensor + "' is no sensor of this calibration" +
+      throw InputError("--temperature: '" + t.sensor + "' is not a sensor of this calibration" +
                        didYouMean(t.sensor, d.sensors) + "; it has " + listOf(d.sensors));
     state.temperature[static_cast<std::size_t>(s)] = t.value;
   }
@@ -189,8 +189,8 @@ void VirtualMachine::addParameters(const Calibration& calibration) {
     if (!std::isfinite(std[k]) || !covariance.row(k).allFinite())
       throw InputError(
           "parameter '" + calibration.values[static_cast<std::size_t>(k)].name +
-          "' has no finite standard uncertainty: the session did not determine it; remove its effect "
-          "or calibrate with what would show it (mm check)");
+          "' has no finite standard uncertainty: the session did not determine it; remove its effect or "
+          "calibrate with a session that determines it (mm check)");
   // The symmetric root of the correlations: each of its independent variables stays with the parameter that
   // it resembles most, so that shares are those of CAR scores (Zuber & Strimmer 2011).
   Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(n, n);
@@ -239,11 +239,11 @@ void VirtualMachine::addRemainder(const Calibration& c, const TaskConditions& co
   double probe = conditions.repeatability >= 0.0 ? conditions.repeatability : (told ? c.repeatability : 0.0);
   if (!told)
     notes_.push_back(
-        "the calibration has no residuals in um: nothing is known of probe and remainder; state "
+        "the calibration has no residuals in um, so probe and unexplained error are unknown; state "
         "--repeatability-um");
   else if (c.repeatabilityFrom == "estimated" && conditions.repeatability < 0.0)
     notes_.push_back(
-        "the repeatability was estimated from the residuals: what the model does not explain is in it");
+        "the repeatability was estimated from the residuals and includes what the model does not explain");
   if (probe > 0.0) add("repeatability of the probe", {Cause::kProbe, {}, probe, 0.0, {}});
   if (!told) return;
   const double length =

@@ -58,8 +58,8 @@ std::string sentenceOf(const CalibrationChanges& c) {
                      expanded(p.change, p.std, p.unit));
   }
   std::string text =
-      c.sameSession      ? "both are of the same session: what differs is the model or the fit, not the "
-                           "machine, and no change is judged"
+      c.sameSession ? "both are from the same session: the model or the fit differs, not the machine, so no "
+                      "change is evaluated"
       : significant == 0 ? "no parameter changed significantly"
                          : std::to_string(significant) + " of " + std::to_string(c.parameters.size()) +
                                " parameters changed significantly: " + joined(said, "; ");

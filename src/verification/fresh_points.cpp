@@ -95,8 +95,8 @@ void FreshPoints::sort(const Calibration& calibration, const Model& whole) {
       parameters_.push_back(static_cast<int>(v));
   if (machineEffects_.empty())
     throw InputError("calibration '" + calibration.id +
-                     "' corrects nothing of the machine (it has no effect of axes, guideways or heat): there "
-                     "is nothing to verify; add an effect with mm add");
+                     "' corrects no error of the machine (it has no effect of axes, guideways or heat), so "
+                     "there is nothing to verify; add an effect with mm add");
 }
 
 void FreshPoints::fit(const Session& session, const Calibration& calibration, CalibrateOptions options,
@@ -210,9 +210,10 @@ void FreshPoints::fillAxes(const Eigen::MatrixXd& change) {
       axes_.push_back(machine.joints()[static_cast<std::size_t>(j)].name);
     }
   if (!fillOffsets() && axes_.empty() && tables_)
-    throw InputError(problem.session().source +
-                     ": the tables add nothing at these points: there is nothing to verify; mm plan verify "
-                     "chooses points that show what was corrected");
+    throw InputError(
+        problem.session().source +
+        ": the tables add nothing at these points, so there is nothing to verify; mm plan verify selects "
+        "points that show the correction");
   const int count = static_cast<int>(axes_.size());
   Eigen::MatrixXd crossed(problem.rowCount(), count * count);
   for (int i = 0; i < problem.rowCount(); ++i)

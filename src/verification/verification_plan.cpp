@@ -99,7 +99,7 @@ std::vector<std::size_t> verificationMoves(const Plan& plan, const Calibration& 
   session.prepare();
   if (session.observations.size() != moves.size())
     throw InputError(plan.source + ": " + std::to_string(moves.size() - session.observations.size()) +
-                     " of its moves measure nothing that could be used; mm check says which");
+                     " of its moves give no usable measurement; mm check shows which");
   CalibrateOptions options;
   if (!(calibration.repeatability > 0.0)) options.repeatability = kMicrometre;
   const FreshPoints points(session, calibration, options, 0);

@@ -79,10 +79,12 @@ void checkStatements(const Session& session, const Calibration& calibration, con
     throw InputError(says + "; the folder of --export holds " + options.exported->statement().inWords() +
                      ": name the folder that was loaded, or import with --compensation FOLDER");
   if (options.loaded && here.stated == Stated::kNone)
-    throw InputError(says + ", against --loaded: leave --loaded away, or import with --compensation FOLDER");
+    throw InputError(says +
+                     ", which contradicts --loaded: omit --loaded, or import with --compensation FOLDER");
   if (!options.loaded && then.stated != Stated::kNot && here != then)
     throw InputError(says + "; the calibration was measured with: " + then.inWords() +
-                     ". With its correction loaded say --loaded; else measure with the same compensation");
+                     ". If its correction was loaded, give --loaded; otherwise measure with the same "
+                     "compensation");
 }
 
 }  // namespace
@@ -95,14 +97,14 @@ std::string whyNotFresh(const Calibration& calibration, const Session& session) 
     return !hash.empty() && std::find(used.begin(), used.end(), hash) != used.end();
   };
   if (std::none_of(asked.begin(), asked.end(), isUsed)) return {};
-  return "the calibration was fitted to this very session, so none of its points is fresh; measure a few "
-         "others (mm plan verify says which) and verify with them";
+  return "the calibration was fitted to this session, so none of its points is fresh; measure a few others "
+         "(mm plan verify selects them) and verify with them";
 }
 
 Verification verify(const Session& session, const Calibration& calibration, const VerifyOptions& options) {
   if (options.exported && !options.loaded)
-    throw InputError("tables of an export say what the controller corrected while " + session.source +
-                     " was measured: name them with --loaded, or leave them away");
+    throw InputError("--export names the tables that corrected while " + session.source +
+                     " was measured: give --loaded as well, or omit --export");
   checkStatements(session, calibration, options);
   std::unique_ptr<FreshPoints> points = nearestPoints(session, calibration, options, {});
   auto system = std::make_unique<PointSystem>(*points, calibration);
@@ -159,7 +161,7 @@ std::string keepAnswer(const CalibrationStore& store, const Calibration& calibra
     store.note(answer);
     return {};
   } catch (const InputError& e) {
-    return std::string("the answer is not kept with the calibration: ") + e.what();
+    return std::string("the verdict is not stored with the calibration: ") + e.what();
   }
 }
 

@@ -66,13 +66,13 @@ std::string changesInWords(const Verification& v) {
 /// What follows the verdict "helped".
 std::string helpedInWords(const Verification& v, const std::string& figures) {
   std::string text = (v.loaded ? "it helped: " : "it helps: ") + figures;
-  if (v.finding == "too_small") text += "; these points do not tell which axis";
+  if (v.finding == "too_small") text += "; these points do not show which axis";
   return text;
 }
 
 std::string noChangeInWords(const Verification& v, const std::string& figures) {
   if (v.finding == "too_small")
-    return v.loaded ? "no change is to be seen: these points cannot tell whether it is loaded, " + figures
+    return v.loaded ? "no change visible: these points cannot show whether it is loaded, " + figures
                     : "no change: the correction is too small to be seen at these points, " + figures;
   if (v.finding == "not_corrected")
     return v.loaded ? "no change: is it loaded? " + figures
@@ -80,7 +80,7 @@ std::string noChangeInWords(const Verification& v, const std::string& figures) {
                       "this was measured (--loaded)? " +
                           figures;
   if (v.finding == "corrected_twice")
-    return "no change: corrected twice, the errors are as large as before, to the other side, " + figures;
+    return "no change: corrected twice, the errors are as large as before with the opposite sign, " + figures;
   return std::string("no change: ") + (v.loaded ? "it is loaded" : "the errors are as calibrated") +
          ", but the correction is too small to show in the figure, " + figures;
 }
@@ -104,23 +104,23 @@ std::string besideInWords(const LoadedHow& how) {
 std::string offsetsInWords(const Verification& v) {
   if (!v.offsets || v.finding == "too_small") return {};
   if (!v.tablesSeen) return "; these points show the external offsets alone, the tables are too small";
-  if (!v.hypothesis.offsets) return "; these points cannot tell whether the external offsets are loaded";
+  if (!v.hypothesis.offsets) return "; these points cannot show whether the external offsets are loaded";
   return v.finding == "corrected" ? "; " + besideInWords(v.hypothesis) : std::string();
 }
 
 /// What is loaded how, of a correction that neither helps nor leaves everything as it is.
 std::string causeInWords(const Verification& v, const std::vector<std::string>& names) {
   if (v.finding == "wrong_sign")
-    return v.loaded ? "sign is wrong" : "sign is wrong: the machine errs to the other side";
+    return v.loaded ? "sign is wrong" : "sign is wrong: the machine's error has the opposite sign";
   if (v.finding == "too_small")
-    return v.loaded ? "these points cannot tell whether it is loaded"
-                    : "the correction is too small to be told axis by axis";
+    return v.loaded ? "these points cannot show whether it is loaded"
+                    : "the correction is too small to be judged axis by axis";
   if (v.finding == "not_corrected")
     return v.loaded ? "it is not loaded"
                     : "the machine does not have these errors (was it corrected already while this was "
                       "measured: --loaded?)";
   if (v.finding == "corrected_twice")
-    return v.loaded ? "corrected twice: the errors are there to the other side"
+    return v.loaded ? "corrected twice: the errors are there with the opposite sign"
                     : "the errors are twice as large as calibrated";
   if (v.finding == "corrected") return v.loaded ? "it is loaded" : "it still fits in part";
   if (v.hypothesis.alike() && v.hypothesis.offsets) return besideInWords(v.hypothesis);
@@ -131,8 +131,8 @@ std::string causeInWords(const Verification& v, const std::vector<std::string>& 
 std::string moreLeftInWords(const Verification& v) {
   const double unit = v.angular ? kArcsecond : kMicrometre;
   return format(
-      "; but %.3g %s are left, where the calibration left %.3g of its own session (held out): the "
-      "machine may have changed, or measures less well than then; mm diagnose says what is new",
+      "; but %.3g %s remain, while the calibration left %.3g in its own session (held out): the machine may "
+      "have changed, or measures less well than then; mm diagnose shows what is new",
       v.unforeseen / unit, v.angular ? "arcsec" : "um", v.calibratedRms / unit);
 }
 
@@ -143,13 +143,13 @@ std::string headOf(const Verification& v, const std::vector<std::string>& names)
   std::string text = causeInWords(v, names);
   constexpr double kTwice = 1.7;  // times, that people call twice
   if (v.verdict == VerifyVerdict::kWorse)
-    text += !v.loaded                             ? ", applied it gets worse"
+    text += !v.loaded                             ? ", applying it makes it worse"
             : v.after.rms > kTwice * v.before.rms ? ", it got twice as bad"
                                                   : ", it got worse";
   else if (v.finding == "corrected" || v.finding == "too_small")
     text += ", but the machine has drifted since";
   else if (v.better)
-    text += ", yet less is left than without";
+    text += ", yet the error is smaller than without it";
   return text + ": " + figures;
 }
 
@@ -175,7 +175,7 @@ std::string notCarriedInWords(const Verification& v) {
   return std::string("; the tables ") + (v.offsets ? "and offsets " : "") + "for " + v.target +
          format(" do not carry %.3g %s of it", v.notCarried / (v.angular ? kArcsecond : kMicrometre),
                 v.angular ? "arcsec" : "um") +
-         (effects.empty() ? "" : " (" + list(effects) + ")") + ", which is no drift";
+         (effects.empty() ? "" : " (" + list(effects) + ")") + ", which is not drift";
 }
 
 }  // namespace
@@ -198,8 +198,8 @@ VerifyVerdict verdictOf(const Verification& v, double improvement) {
 }
 
 std::string whyKept(const Verification& v) {
-  if (v.loaded && v.finding == "too_small") return "kept, these points cannot tell whether it is loaded";
-  return v.better ? "kept, the machine is better with it than without" : "";
+  if (v.loaded && v.finding == "too_small") return "kept, these points cannot show whether it is loaded";
+  return v.better ? "kept, the machine is more accurate with it than without" : "";
 }
 
 std::string inWords(const LoadedHow& hypothesis, const std::vector<std::string>& axes, bool loaded) {
@@ -235,7 +235,7 @@ std::string inWords(const LoadedHow& hypothesis, const std::vector<std::string>&
 }
 
 std::string inWords(const RemainingShare& share) {
-  if (!(share.std < kTold)) return "not told by these points";
+  if (!(share.std < kTold)) return "not determined by these points";
   const auto near = [&](double value) {
     return std::abs(share.remaining - value) < std::max(kCertain * share.std, 0.05);
   };
@@ -257,7 +257,7 @@ std::string inWords(const RemainingOfEffect& effect) {
   loadedPart.remaining -= effect.notCarried;
   const std::string words = inWords(loadedPart);
   const std::string carried = effect.notCarried > 1.0 - kSome
-                                  ? std::string("no table carries it")
+                                  ? std::string("not in any table")
                                   : format("%.0f %% of it in no table", 100.0 * effect.notCarried);
   return words == "corrected" || std::abs(loadedPart.remaining) < std::max(kCertain * effect.std, 0.05)
              ? carried
@@ -271,13 +271,13 @@ std::string sentenceOf(const Verification& v) {
   const bool told = text.find("the machine has drifted since") != std::string::npos;
   if (v.drifted)
     text += (told ? std::string("; ") : std::string("; and the machine has drifted since: ")) +
-            (v.changed.empty() ? "no effect of the calibration says how"
+            (v.changed.empty() ? "no effect of the calibration explains how"
                                : "changed since the calibration: " + changesInWords(v));
   text += offsetsInWords(v) + notCarriedInWords(v);
   if (v.moreLeft && !v.drifted) text += moreLeftInWords(v);
   if (v.drifted && mayBeNotCarried(v))
-    text += "; where tables of mm export were loaded, which may carry less, name them with --export";
-  if (v.drifted) text += "; calibrate again, mm diagnose says what is new";
+    text += "; if tables of mm export were loaded, which may carry less, name them with --export";
+  if (v.drifted) text += "; calibrate again, mm diagnose shows what is new";
   if (!v.rivals.empty()) text += "; not excluded by these points: " + v.rivals.front().inWords;
   return text;
 }

@@ -59,7 +59,7 @@ std::string newToken() {
   unsigned char bytes[16];
   std::ifstream random("/dev/urandom", std::ios::binary);
   if (!random.read(reinterpret_cast<char*>(bytes), sizeof bytes))
-    throw InputError("/dev/urandom cannot be read, so there is no token to protect the workbench with");
+    throw InputError("/dev/urandom cannot be read, so no access token can be made for the workbench");
   std::string token;
   for (const unsigned char b : bytes) {
     token += "0123456789abcdef"[b >> 4];

@@ -178,7 +178,7 @@ WebAnswer Bench::enqueue(std::deque<Task>& tasks, const std::string& name, const
     const bool another =
         std::any_of(tasks.begin(), tasks.end(), [](const Task& t) { return t.name == kOpen; });
     if (name == kOpen && another)  // each waits with its file in memory
-      return WebAnswer::say(409, "another file waits to be read; send this one again when that is open");
+      return WebAnswer::say(409, "another file is waiting to be read; send this one again after it is open");
     number = ++numbers_;
     pending_.insert(number);
     tasks.push_back({number, name, who, std::move(work)});
@@ -257,7 +257,7 @@ WebAnswer Bench::action(const std::string& name, const std::string& json, const 
 WebAnswer Bench::immediately(const std::string& name, const RequestBody& body, const std::string& who) {
   if (name == "cancel") return cancel(who);
   if (live_ == nullptr && isMotion(name))
-    return WebAnswer::say(409, "no machine is there: this workbench shows a recorded session");
+    return WebAnswer::say(409, "there is no machine: this workbench shows a recorded session");
   if (name == "stop") return stop(who);
   if (name == "arm") return arm(body.number("client"), who);
   if (name == "disarm") return disarm(body.number("client"));
@@ -285,7 +285,8 @@ WebAnswer Bench::upload(const std::string& query, std::string body, const std::s
   const std::string given = queryValue(query, "name"), name = shownFileName(given);
   const std::string kind = lower(given.substr(given.size() - std::min<std::size_t>(4, given.size())));
   if (kind != ".bag" && kind != ".csv")
-    return WebAnswer::say(415, "'" + name + "' is neither a bag nor a CSV; its name ends in .bag or .csv");
+    return WebAnswer::say(415,
+                          "'" + name + "' is neither a bag nor a CSV; the name must end in .bag or .csv");
   if (body.empty()) return WebAnswer::say(400, "'" + name + "' is empty");
   const auto content = std::make_shared<std::string>(std::move(body));
   return enqueue(kOpen, personOf(queryValue(query, "who"), peer), [this, content, name, kind] {

@@ -20,7 +20,7 @@ class Bench::Motion {
   Motion(Bench& bench, std::uint64_t arming) : bench_(bench) {
     const std::lock_guard<std::mutex> lock(bench_.mutex_);
     if (!bench_.held(arming))
-      throw InputError("the machine is not armed any more as it was when this was asked; nothing was moved");
+      throw InputError("the machine was disarmed or armed again after this request; nothing was moved");
     bench_.moving_ = arming;
   }
   ~Motion() {
@@ -83,12 +83,12 @@ WebAnswer Bench::arm(std::uint64_t client, const std::string& who) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (clients_.count(client) == 0)
-      return WebAnswer::say(409, "this page has no live connection, so nobody would notice if it went");
+      return WebAnswer::say(409, "this page has no live connection, so its loss would go unnoticed");
     if (armed_ && armed_->client != client)
-      return WebAnswer::say(
-          409, armed_->who + " holds the machine; it is free when that page is disarmed or closed");
+      return WebAnswer::say(409, armed_->who + " holds the machine until that page is disarmed or closed");
     const std::string deaf = live_->deaf();
-    if (!deaf.empty()) return WebAnswer::say(409, "not armed, since a stop would not arrive: " + deaf);
+    if (!deaf.empty())
+      return WebAnswer::say(409, "not armed, because a stop would not reach the machine: " + deaf);
     const std::uint64_t arming = armed_ ? armed_->arming : ++armings_;
     armed_ = Armed{arming, client, who, Clock::now()};
   }
@@ -107,7 +107,7 @@ WebAnswer Bench::disarm(std::uint64_t client) {
   }
   log_.add(who, "disarmed");
   news();
-  return WebAnswer::say(200, "disarmed: what moved was stopped");
+  return WebAnswer::say(200, "disarmed: all motion was stopped");
 }
 
 WebAnswer Bench::motion(const std::string& name, const RequestBody& body, const std::string& who) {
@@ -146,7 +146,7 @@ void Bench::came(std::uint64_t client) {
 }
 
 void Bench::heard(std::uint64_t client, const std::string& text) {
-  if (text != "heartbeat") throw InputError("a page says 'heartbeat' and nothing else");
+  if (text != "heartbeat") throw InputError("a page may send only 'heartbeat'");
   const std::lock_guard<std::mutex> lock(mutex_);
   if (armed_ && armed_->client == client) armed_->heard = Clock::now();
 }
@@ -159,7 +159,7 @@ void Bench::gone(std::uint64_t client) {
     if (!armed_ || armed_->client != client) return;
     who = release();
   }
-  log_.add(who, "the page that held the machine has gone: it is stopped");
+  log_.add(who, "the page that held the machine was closed: the machine is stopped");
   news();
 }
 

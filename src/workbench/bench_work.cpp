@@ -155,7 +155,7 @@ std::string BenchWork::importTable(const std::filesystem::path& file, const std:
 }
 
 std::string BenchWork::openLive(bool beside) {
-  if (live_ == nullptr) throw InputError("no machine is there: this workbench shows a recorded session");
+  if (live_ == nullptr) throw InputError("there is no machine: this workbench shows a recorded session");
   space_ = live_->space();
   origin_ = UrdfOrigin::kThisComputer;
   const std::string shownAs = beside && session_ ? shownAs_ + " and its moves" : "live session";
@@ -300,8 +300,8 @@ std::string BenchWork::judgeFormula(const std::string& direction, const std::str
     out["ok"] = true;
     std::string unknowns;
     for (const Parameter& p : effect->parameters()) unknowns += (unknowns.empty() ? "" : ", ") + p.name;
-    out["message"] = unknowns.empty() ? "it has no unknown to find; write k1, k2 …"
-                                      : "can be added; " + unknowns + " will be found";
+    out["message"] = unknowns.empty() ? "it has no unknown to estimate; write k1, k2 …"
+                                      : "can be added; " + unknowns + " will be estimated";
     out["effect"] = spec.yaml();
     if (unknowns.empty()) out["ok"] = false;
   } catch (const Error& e) {

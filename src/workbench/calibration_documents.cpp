@@ -12,6 +12,7 @@
 #include "export/export_target.h"
 #include "machine/joint_units.h"
 #include "report/json_parts.h"
+#include "report/symbols_of.h"
 #include "report/text_parts.h"
 
 namespace mm {
@@ -96,7 +97,7 @@ Json fieldOrReason(const Calibration* calibration) {
 
 std::string calibrationDocument(const Calibration& c, bool kept) {
   const bool angular = angularOnly(c);
-  Json effects = parametersJson(c), ledger = ledgerJson(c.ledger, angular);
+  Json effects = parametersJson(c), ledger = ledgerJson(c.ledger, angular, symbolsOf(c));
   for (std::size_t e = 0; e < c.effects.size(); ++e) effects[e]["yaml"] = c.effects[e].yaml();
   for (std::size_t i = 0; i < c.ledger.size(); ++i)
     ledger[i]["yaml"] = c.ledger[i].effect.type.empty() ? "" : c.ledger[i].effect.yaml();

@@ -74,9 +74,9 @@ WebAnswer HttpConnection::refusal(const Target& target) const {
   const auto shown = request["X-Workbench-Token"];
   if (!sameToken(target.token, server_.options().token) &&
       !sameToken(std::string(shown.data(), shown.size()), server_.options().token))
-    return WebAnswer::say(403, "no token, or not this one's; open the address that mm workbench printed");
+    return WebAnswer::say(403, "missing or wrong access token; open the address that mm workbench printed");
   if (request.method() != http::verb::get && request.method() != http::verb::post)
-    return WebAnswer::say(405, "only GET and POST are answered");
+    return WebAnswer::say(405, "only GET and POST are supported");
   const auto length = parser_->content_length();
   if (length && *length > server_.options().largestBody && target.path != kUpload)
     return WebAnswer::say(413, "the request's body has more than " +
@@ -104,7 +104,8 @@ void HttpConnection::readBody(const Target& target) {
     if (!parser_->content_length())
       return turnAway(411, "a file is sent with its length (Content-Length), as browsers do");
     upload_ = server_.placeForUpload();
-    if (!upload_) return turnAway(409, "another file is being sent; send this one again when that is there");
+    if (!upload_)
+      return turnAway(409, "another file is being sent; send this one again after it has arrived");
   } else {
     parser_->body_limit(server_.options().largestBody);
   }

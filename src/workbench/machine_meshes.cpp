@@ -49,7 +49,7 @@ std::filesystem::path inPackage(const std::string& name, const PackageFolder& pa
   const std::filesystem::path folder = packages ? packages(package) : std::filesystem::path();
   if (folder.empty())
     throw InputError("no package '" + package.substr(0, 80) +
-                     "' is known here; source the workspace that has it");
+                     "' is known; source the workspace that contains it");
   std::error_code failed;
   const std::filesystem::path home = std::filesystem::canonical(folder, failed);
   if (failed) throw InputError("the folder of the package cannot be read: " + failed.message());
@@ -81,17 +81,17 @@ std::filesystem::path meshFile(const std::string& name, UrdfOrigin origin, const
   } else {
     const std::string path = startsWith(name, kFileScheme) ? name.substr(kFileScheme.size()) : name;
     if (path.empty() || path.front() != '/')
-      throw InputError("is neither package:// nor file:///; a path that begins nowhere cannot be found");
+      throw InputError("is neither package:// nor file:///; a relative path cannot be resolved");
     if (origin == UrdfOrigin::kSent)
-      throw InputError("is a path of another computer, maybe: the file was sent; name it by its package");
+      throw InputError("may be a path on another computer, because the file was uploaded; use package://");
     std::error_code failed;
     file = std::filesystem::canonical(path, failed);
     if (failed) throw InputError("cannot be read: " + failed.message());
   }
   const std::string kind = kindOf(file);
   if (kind != ".stl" && kind != ".dae" && kind != ".obj")
-    throw InputError("is no mesh that is drawn; .stl, .dae and .obj are");
-  if (!std::filesystem::is_regular_file(file)) throw InputError("is no file");
+    throw InputError("is not a supported mesh; use .stl, .dae or .obj");
+  if (!std::filesystem::is_regular_file(file)) throw InputError("is not a file");
   return file;
 }
 
@@ -120,7 +120,7 @@ std::vector<float> meshTriangles(const std::filesystem::path& file) {
       for (unsigned k = 0; k < 3; ++k) {
         const aiVector3D& at = mesh.mVertices[mesh.mFaces[f].mIndices[k]];
         if (!std::isfinite(at.x) || !std::isfinite(at.y) || !std::isfinite(at.z))
-          throw InputError("has a corner that is nowhere");
+          throw InputError("has a vertex that is not finite");
         values.insert(values.end(), {at.x, at.y, at.z});
       }
     }

@@ -38,7 +38,7 @@ class FlatObject : public nlohmann::json_sax<nlohmann::json> {
   bool start_array(std::size_t) override { return refuse("a list"); }
   bool end_array() override { return true; }
   bool parse_error(std::size_t at, const std::string&, const nlohmann::detail::exception&) override {
-    wrong = "the request is not JSON: letter " + std::to_string(at);
+    wrong = "the request is not JSON: character " + std::to_string(at);
     return false;
   }
 
@@ -81,14 +81,14 @@ RequestBody::RequestBody(const std::string& json) {
 std::string RequestBody::text(const std::string& key) const {
   const auto found = values_.find(key);
   if (found == values_.end()) return {};
-  if (!found->second.isText) throw InputError("the request's '" + key + "' is no text");
+  if (!found->second.isText) throw InputError("the request's '" + key + "' is not a text");
   return found->second.text;
 }
 
 std::uint64_t RequestBody::number(const std::string& key) const {
   const auto found = values_.find(key);
   if (found == values_.end()) return 0;
-  if (found->second.isText) throw InputError("the request's '" + key + "' is no whole number");
+  if (found->second.isText) throw InputError("the request's '" + key + "' is not a whole number");
   return found->second.number;
 }
 

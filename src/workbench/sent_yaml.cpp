@@ -9,8 +9,9 @@ namespace mm {
 ModelSpec sentModel(const std::string& yaml) {
   ModelSpec spec = parseModelSpec(yaml, "model");
   if (spec.machine.find('/') != std::string::npos || spec.machine.find(".urdf") != std::string::npos)
-    throw InputError("model: the machine is '" + spec.machine.substr(0, 80) +
-                     "', a file; leave 'machine' out, the session brings it, or give a name as three_axis");
+    throw InputError("model: the machine '" + spec.machine.substr(0, 80) +
+                     "' is a file; omit 'machine', as the session contains it, or give a name such as "
+                     "three_axis");
   return spec;
 }
 
@@ -19,11 +20,11 @@ std::string sentPlan(const std::string& yaml) {
   const YAML::Node plan = YamlMapping::load(yaml, "plan");
   if (!plan.IsMap())
     throw InputError("plan:1: is '" + std::string(trim(yaml).substr(0, 80)) +
-                     "', no plan; paste the text of one, its path is not opened");
+                     "', which is not a plan; paste the text of a plan, paths are not opened");
   if (plan["artifact"] && plan["artifact"].IsScalar())
     throw InputError("plan:" + std::to_string(plan["artifact"].Mark().line + 1) + ": the artifact is '" +
                      plan["artifact"].Scalar().substr(0, 80) +
-                     "', a file; write in its place what stands in that file");
+                     "', a file; replace it by the contents of that file");
   return yaml + "\n";  // what is one line is a text all the same, and no path
 }
 

@@ -50,7 +50,7 @@ Server::Inside::Inside(ServerOptions options, WebHandler& handler)
   const auto address = boost::asio::ip::make_address(options_.address, failed);
   if (failed)
     throw InputError("--address: '" + options_.address +
-                     "' is no IP address; 127.0.0.1 is this computer alone");
+                     "' is not an IP address; 127.0.0.1 is this computer only");
   if (options_.port > 65535)
     throw InputError("--port: " + std::to_string(options_.port) + " is above 65535; 0 takes any free port");
   const tcp::endpoint endpoint(address, static_cast<unsigned short>(options_.port));
@@ -60,7 +60,7 @@ Server::Inside::Inside(ServerOptions options, WebHandler& handler)
   if (!failed) acceptor_.listen(kBacklog, failed);
   if (failed)
     throw InputError("port " + std::to_string(options_.port) + " of " + options_.address +
-                     " cannot be listened on (" + failed.message() +
+                     " cannot be opened (" + failed.message() +
                      "); choose another, or 0 for any that is free");
   port_ = acceptor_.local_endpoint().port();
   std::vector<std::string> names = options_.hosts;

@@ -5,8 +5,10 @@
 
 #include "base/units.h"
 #include "design/point_set.h"
+#include "estimation/noise_rows.h"
 #include "machine/joint_units.h"
 #include "report/json_parts.h"
+#include "report/report_variables.h"
 #include "session/session_summary.h"
 
 namespace mm {
@@ -83,6 +85,34 @@ struct Rows {
   std::size_t size() const { return observation.size(); }
   bool used(std::size_t r) const { return fit.problem->uses(index[r]); }
 };
+
+/// The residual as a deviation along each direction that enough rows tell of, as in the report.
+void addAlong(Columns& columns, const Rows& rows, bool angular) {
+  constexpr std::ptrdiff_t kFewest = 13;
+  std::vector<int> used;
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    if (rows.used(r) && rows.fit.problem->rows()[r].angular == angular) used.push_back(static_cast<int>(r));
+  Directions directions = directionsOf(linearise(*rows.fit.problem, rows.fit.x), used);
+  dropUnmeasured(directions);
+  const Machine& machine = rows.session().machine;
+  for (std::size_t d = 0; d < directions.names.size(); ++d) {
+    const int joint = machine.findJoint(directions.names[d]);
+    const bool turns =
+        joint >= 0 && machine.joints()[static_cast<std::size_t>(joint)].kind == JointKind::kRotary;
+    if (turns != angular) continue;  // a length that a rotary joint causes has a lever
+    const Eigen::VectorXd factors = directions.factors.col(static_cast<Eigen::Index>(d));
+    const double largest = factors.cwiseAbs().maxCoeff(), unit = angular ? kArcsecond : kMicrometre;
+    std::vector<double> along(rows.size(), kNotMeasured);
+    for (std::size_t i = 0; i < used.size(); ++i)
+      along[static_cast<std::size_t>(used[i])] =
+          residualAlong(rows.fit.residuals[used[i]], factors[static_cast<Eigen::Index>(i)], largest) / unit;
+    const auto told = [](double v) { return std::isfinite(v); };
+    if (std::count_if(along.begin(), along.end(), told) < kFewest) continue;
+    const bool approach = directions.names[d] == "approach";
+    columns.add("residual along " + (approach ? "the approach" : directions.names[d]),
+                angular ? "arcsec" : "um", kDeviationStep, [&](std::size_t r) { return along[r]; });
+  }
+}
 
 void addJoints(Columns& columns, const Rows& rows) {
   const std::vector<Joint>& joints = rows.session().machine.joints();
@@ -203,6 +233,7 @@ std::string pointsDocument(const CalibrationResult& fit, const EarlierResiduals&
   const std::string unit = angular ? "arcsec" : "um";
   columns.add("residual", unit, kDeviationStep,
               [&](std::size_t r) { return person(r, at(fit.residuals, r)); });
+  addAlong(columns, rows, angular);
   addJoints(columns, rows);
   addTouch(columns, rows);
   addLogged(columns, rows);

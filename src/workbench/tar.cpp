@@ -26,7 +26,7 @@ Header headerOf(const std::string& path, std::size_t size, std::time_t now) {
   Header header;
   std::memset(&header, 0, sizeof header);
   if (path.size() >= sizeof header.name)
-    throw InputError("'" + path + "' has " + std::to_string(path.size()) + " letters; a tar has place for " +
+    throw InputError("'" + path + "' has " + std::to_string(path.size()) + " characters; a tar allows " +
                      std::to_string(sizeof header.name - 1));
   std::memcpy(header.name, path.data(), path.size());
   setOctal(header.mode, 0644);

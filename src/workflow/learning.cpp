@@ -1,13 +1,70 @@
 #include "workflow/learning.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/cancel_scope.h"
 #include "base/error.h"
 #include "calibration_file/calibration_yaml.h"
 #include "diagnosis/verdict.h"
+#include "diagnosis/wording.h"
 
 namespace mm {
+namespace {
+
+/// Held-out RMS of a fit, m (rad); NaN where there is none.
+double heldOutOf(const std::optional<CalibrationResult>& fit, bool angular) {
+  if (!fit) return kNotMeasured;
+  return angular ? fit->figures.heldOutRmsAngular : fit->figures.heldOutRms;
+}
+
+/// Puts the figures of the ledger in the place of the diagnosis's own, which predict drift from its
+/// neighbours.
+void holdOutAsTheLedger(Diagnosis& d, const Session& session, const Calibration& calibration,
+                        CalibrateOptions fit) {
+  fit.progress = {};
+  if (d.base.repeatabilityFrom != "estimated") fit.repeatability = d.base.repeatability;
+  const double before = d.angular ? d.base.figures.heldOutRmsAngular : d.base.figures.heldOutRms;
+  const std::vector<EffectSpec> found = effectsFound(d);
+  std::vector<EffectSpec> effects = calibration.effects;
+  const auto with = [&](const EffectSpec& effect) {
+    std::vector<EffectSpec> more = effects;
+    more.push_back(effect);
+    return heldOutOf(fitWith(session, calibration, more, fit), d.angular);
+  };
+  // one at a time, each with nothing else: those that the diagnosis worked out
+  for (CandidateResult& c : d.candidates) {
+    const bool worked = c.heldOutAfter != c.heldOutBefore;
+    c.heldOutBefore = before;
+    c.heldOutAfter = worked ? with(c.effect) : kNotMeasured;
+  }
+  std::vector<double> formulaOf;  // a formula: the figure that tells of which profile it speaks
+  for (const FormulaResult& f : d.formulas) formulaOf.push_back(f.heldOutBefore);
+  double now = before;
+  const auto step = [&](const EffectSpec& effect, double& stepBefore, double& stepAfter) {
+    stepBefore = now;
+    now = stepAfter = with(effect);
+    effects.push_back(effect);
+  };
+  for (CandidateResult& c : d.missing) step(c.effect, c.heldOutBefore, c.heldOutAfter);
+  for (ProfileResult& p : d.profiles) {
+    const double old = p.heldOutBefore;
+    step(p.effect, p.heldOutBefore, p.heldOutAfter);
+    for (std::size_t k = 0; k < d.formulas.size(); ++k) {
+      if (formulaOf[k] != old) continue;
+      std::vector<EffectSpec> all = calibration.effects;  // with the formula in the profile's place
+      for (const EffectSpec& added : found) all.push_back(added == p.effect ? d.formulas[k].effect : added);
+      d.formulas[k].heldOutBefore = p.heldOutBefore;
+      d.formulas[k].heldOutAfter = heldOutOf(fitWith(session, calibration, all, fit), d.angular);
+    }
+  }
+  if (d.missing.empty() && d.profiles.empty() && !found.empty()) now = with(found.front());
+  d.heldOutBefore = before;
+  d.heldOut = found.empty() ? kNotMeasured : now;
+  if (std::isfinite(d.heldOut)) d.sentence = sentenceOf(d);
+}
+
+}  // namespace
 
 const EffectSpec* nextToAdd(const Diagnosis& d) {
   for (const CandidateResult& m : d.missing)
@@ -57,7 +114,31 @@ Diagnosis diagnoseCalibration(const Session& session, const Calibration& calibra
   checkMachine(calibration, session);
   options.calibrate = refitting(options.calibrate, calibration);
   const Model model = modelFor(session, calibration.effects);
-  return diagnose(session, model, options, startFrom(calibration, model));
+  Diagnosis d = diagnose(session, model, options, startFrom(calibration, model));
+  if (d.base.problem) holdOutAsTheLedger(d, session, calibration, options.calibrate);
+  return d;
+}
+
+std::vector<EffectSpec> effectsFound(const Diagnosis& d) {
+  std::vector<EffectSpec> found;
+  for (const CandidateResult& c : d.missing) found.push_back(c.effect);
+  for (const ProfileResult& p : d.profiles) found.push_back(p.effect);
+  if (found.empty() && !d.formulas.empty()) found.push_back(d.formulas.front().effect);
+  return found;
+}
+
+std::optional<CalibrationResult> fitWith(const Session& session, const Calibration& calibration,
+                                         const std::vector<EffectSpec>& effects,
+                                         const CalibrateOptions& options) {
+  try {
+    Model model = modelFor(session, effects);
+    const Eigen::VectorXd start = startFrom(calibration, model);
+    CalibrationResult result = calibrate(session, std::move(model), options, start);
+    if (result.cancelled) throw Cancelled("stopped before the models were refitted; nothing was changed");
+    return result;
+  } catch (const NumericalError&) {
+    return std::nullopt;
+  }
 }
 
 Learned learnAll(const Session& session, const Calibration& calibration, const DiagnoseOptions& options,

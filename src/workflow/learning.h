@@ -27,9 +27,18 @@ Comparison compareWith(const Session& session, const Calibration& calibration,
                        const std::function<void(const CalibrationResult&)>& fitted = {});
 
 /// Which physical effect the calibration's model misses on a session: everything is refitted, from its
-/// values.
+/// values. Its figures held out are those that the ledger will have: values fitted again without the block of
+/// time that is judged, no drift predicted, as no correction knows the drift of the day.
 Diagnosis diagnoseCalibration(const Session& session, const Calibration& calibration,
                               DiagnoseOptions options);
+
+/// What a diagnosis would add to the model: effects and profiles, else a formula.
+std::vector<EffectSpec> effectsFound(const Diagnosis& diagnosis);
+/// These effects fitted to a session, from the calibration's values; empty: no fit can be made.
+/// @throw Cancelled.
+std::optional<CalibrationResult> fitWith(const Session& session, const Calibration& calibration,
+                                         const std::vector<EffectSpec>& effects,
+                                         const CalibrateOptions& options);
 
 /// How far a search for what is missing has come.
 struct Learned {

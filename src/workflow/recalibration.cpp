@@ -162,6 +162,11 @@ std::vector<std::string> doubtsOf(const CalibrationResult& result) {
   std::vector<std::string> doubts;
   if (!result.converged)
     doubts.push_back("not converged (" + result.stop + "); try another seed, or a simpler model");
+  if (result.problem->rowCount() > 0 && result.figures.degreesOfFreedom == 0)
+    doubts.push_back(std::to_string(result.problem->rowCount()) +
+                     " residuals and as many free parameters (degrees of freedom 0): the fit is exact "
+                     "whatever was measured, and its RMS says nothing; measure more points, or use a simpler "
+                     "model");
   for (const LostDirection& l : result.identifiability.lost)
     if (l.lacking()) doubts.push_back("not determined by this session: " + l.inWords + "; " + l.wouldShow);
   return doubts;
@@ -252,7 +257,7 @@ Recalibration recalibrate(const Session& session, const ModelSpec& spec, const C
   for (std::size_t i = 0; i < spec.effects.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
       if (spec.effects[i] == spec.effects[j])
-        throw InputError("the model names " + spec.effects[i].yaml() + " twice; leave one of them out");
+        throw InputError("the model names " + spec.effects[i].yaml() + " twice; remove one of them");
   for (const EffectSpec& effect : spec.effects) checkSessions(session, effect);
   Recalibration done;
   done.result = calibrate(session, modelFor(session, spec.effects), options);

@@ -185,7 +185,7 @@ TEST_F(MmAnswers, InterruptedButNotLost) {
       "calibrate s.bag --model '" + file + "' -o c.yaml --generations 10000000 --stages 10000000:1");
   EXPECT_EQ(answer.status, 130) << answer.error;
   EXPECT_TRUE(std::filesystem::exists(folder_ / "c.yaml"));
-  EXPECT_NE(answer.error.find("best found so far"), std::string::npos) << answer.error;
+  EXPECT_NE(answer.error.find("best result so far"), std::string::npos) << answer.error;
 }
 
 TEST_F(MmAnswers, WhatAddDidRemoveTakesBack) {

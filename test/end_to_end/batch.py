@@ -413,7 +413,7 @@ def try_prior(fleet, first, work):
     done, both = fit(odd, *prior)
     same = [p["value"] for p in without["parameters"]] == [p["value"] for p in both["parameters"]]
     say(both["prior"]["contradicted"] and not both["prior"]["used"] and same, "a machine that is no sister is told, and the prior is not used", done.stderr)
-    say("no sister" in done.stderr and done.stderr.count("no sister") == 1, "in one line that names what contradicts", done.stderr)
+    say("this machine differs" in done.stderr and done.stderr.count("this machine differs") == 1, "in one line that names what contradicts", done.stderr)
     done, _ = fit(bag, "--prior", work + "/empty")
     say(done.returncode == 2 and "fleet.db" in done.stderr, "a folder without sisters is refused", done.stderr)
 

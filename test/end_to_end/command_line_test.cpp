@@ -49,7 +49,7 @@ TEST_F(CommandLine, CtrlCKeepsTheBestOfACalibration) {
                   "calibrate s.bag --model m.yaml -o stopped.yaml --generations 10000000 --stages "
                   "10000000:1");
   EXPECT_EQ(answer.status, 130) << answer.error;
-  EXPECT_NE(answer.error.find("best found so far"), std::string::npos) << answer.error;
+  EXPECT_NE(answer.error.find("best result so far"), std::string::npos) << answer.error;
   EXPECT_EQ(typed("compare s.bag --calibration stopped.yaml").status, 0);
 }
 
@@ -132,6 +132,17 @@ TEST_F(CommandLine, ANewMachineItsPlanAndItsFirstModelCalibrate) {
   EXPECT_EQ(answer.json()["identifiability"]["rank"], 6);
 }
 
+TEST_F(CommandLine, ANewMachineOfRotaryAxesHasAModelThatIsRead) {
+  const Answer made = typed(
+      "machine new --axis pan=-90:90deg@0,0,1 --axis tilt=0:90deg@0,1,0 --tip-mm 100,0,0 -o head.urdf "
+      "--model head.yaml");
+  EXPECT_NE(made.out.find(": w-b-C-B-t\n"), std::string::npos) << made.out << made.error;
+  EXPECT_EQ(textOf(*folder_ / "head.yaml"), "machine: head.urdf\neffects: []\n");
+  folder_->write("head.csv", "time_s,pan_deg,deviation_pan_arcsec\n0,0,1\n1,10,2\n2,20,3\n3,30,5\n");
+  run("import head.csv --machine head.urdf -o head.bag");
+  EXPECT_EQ(typed("check head.bag --model head.yaml").status, 0);
+}
+
 // No repeatability is stated anywhere: the plan's own repeats tell it, and the end of the loop is an answer.
 TEST_F(CommandLine, ANewMachineWithANewPlanIsExplained) {
   run("machine new --axis x=0:120mm --axis y=0:100mm --axis z=-60:0mm --tip-mm 0,0,-40 -o own.urdf --model "
@@ -165,6 +176,7 @@ TEST_F(CommandLine, TheCatalogueComesFromTheRegistry) {
   EXPECT_GE(all.size(), 33u);
   const nlohmann::json one = typed("effects straightness --json").json()["effects"];
   ASSERT_EQ(one.size(), 1u);
+  EXPECT_EQ(one[0]["iso230"], "EXY") << "of " << one[0]["example"];
   EXPECT_EQ(one[0]["keys"][2]["key"], "degree");
   EXPECT_EQ(one[0]["keys"][2]["lower"], 2.0);
   EXPECT_EQ(one[0]["parameters"][0]["unit"], "um");
@@ -188,6 +200,31 @@ TEST_F(CommandLine, BashCompletesCommandsOptionsAndWords) {
   EXPECT_EQ(complete("mm machine n", 2), "new\n");
   EXPECT_EQ(complete("mm machine new --ti", 3), "--tip-mm\n");
   EXPECT_EQ(complete("mm completion z", 2), "zsh\n");
+  EXPECT_EQ(complete("mm effects backl", 2), "backlash\n");
+  EXPECT_EQ(complete("mm calibrate s.bag --method leas", 4), "least_squares\n");
+  EXPECT_EQ(complete("mm import s.csv --machine three", 4), "three_axis\n");
+  EXPECT_EQ(complete("mm export c.yaml --to linux", 4), "linuxcnc\n");
+}
+
+TEST_F(CommandLine, BashCompletesFilesOfTheKindThatIsTaken) {
+  const std::string place = *folder_ / "typed";
+  std::filesystem::create_directories(place);
+  for (const char* name : {"a session.bag", "a.yaml", "a.urdf", "a.csv"})
+    folder_->write(std::string("typed/") + name, "");
+  const auto complete = [&](const std::string& words, int at) {
+    const std::string script = folder_->write(
+        "complete.sh", "cd '" + place + "'\nsource <('" MM_PROGRAM "' completion bash)\nCOMP_WORDS=(" +
+                           words + ")\nCOMP_CWORD=" + std::to_string(at) +
+                           "\n_mm\nprintf '%s\\n' \"${COMPREPLY[@]}\"\n");
+    const std::string out = *folder_ / "completed.txt";
+    EXPECT_EQ(std::system(("bash '" + script + "' >'" + out + "'").c_str()), 0);
+    return textOf(out);
+  };
+  EXPECT_EQ(complete("mm check a", 2), "a session.bag\n");
+  EXPECT_EQ(complete("mm check s.bag --model a", 4), "a.yaml\n");
+  EXPECT_EQ(complete("mm simulate --machine a", 3), "a.urdf\n");
+  EXPECT_EQ(complete("mm calibrate s.bag -o a", 4), "\n") << "any file, which the shell completes itself";
+  std::filesystem::remove_all(place);
 }
 
 TEST_F(CommandLine, TheZshScriptNamesEveryCommandAndOption) {
@@ -226,6 +263,59 @@ TEST_F(CommandLine, HideSpeaksAsTheCatalogue) {
   const std::string truth = textOf(*folder_ / "hidden.yaml");
   EXPECT_NE(truth.find("type: squareness, axis: y, of: x, c: 16.5"), std::string::npos) << truth;  // arcsec
   EXPECT_NE(truth.find("period: 2000 um"), std::string::npos) << truth;
+}
+
+/// As many parameters as readings fit whatever was measured: the answer is no, and the file is written.
+TEST_F(CommandLine, AFitWithoutRedundancyIsNoAnswer) {
+  folder_->write("exact.csv", "time_s,x_mm,deviation_x_um\n0,1,3\n");
+  run("import exact.csv --machine three_axis -o exact.bag");
+  const Answer answer = typed("calibrate exact.bag --model m.yaml --method least_squares -o exact.yaml");
+  EXPECT_EQ(answer.status, 1) << answer.error;
+  EXPECT_NE(answer.error.find("degrees of freedom 0"), std::string::npos) << answer.error;
+  EXPECT_NE(answer.out.find("Repeatability  not known"), std::string::npos) << answer.out;
+  EXPECT_TRUE(std::filesystem::exists(*folder_ / "exact.yaml"));
+}
+
+/// 300 um at a scatter of micrometres is a mistaken unit: everybody who judges by it says so.
+TEST_F(CommandLine, ARepeatabilityFarAboveTheScatterIsDoubted) {
+  run("calibrate s.bag --model m.yaml --method least_squares -o doubted.yaml");
+  const std::string fit = " --repeatability-um 300";
+  for (const std::string& command : {"calibrate s.bag --model m.yaml --method least_squares" + fit,
+                                     "compare s.bag --calibration doubted.yaml" + fit,
+                                     "diagnose s.bag --calibration doubted.yaml" + fit}) {
+    const Answer answer = typed(command);
+    EXPECT_NE(answer.status, 2) << command << answer.error;
+    EXPECT_NE(answer.error.find("the declared repeatability of 300 um is"), std::string::npos)
+        << command << answer.error;
+    EXPECT_NE(answer.error.find("times the scatter of the residuals ("), std::string::npos) << answer.error;
+  }
+  const Answer plain = typed("compare s.bag --calibration doubted.yaml");
+  EXPECT_EQ(plain.error.find("repeatability of"), std::string::npos) << plain.error;
+}
+
+/// A genetic search is no use where least squares has one minimum, and the result says so.
+TEST_F(CommandLine, ALinearModelNeedsNoSearch) {
+  const Answer searched = typed("calibrate s.bag --model m.yaml --generations 3 --population 20");
+  EXPECT_NE(searched.out.find("every parameter is linear: --method least_squares"), std::string::npos)
+      << searched.out;
+  const Answer direct = typed("calibrate s.bag --model m.yaml --method least_squares");
+  EXPECT_NE(direct.out.find("  least squares   from the start values of the model, no search\n"),
+            std::string::npos)
+      << direct.out;
+  EXPECT_EQ(direct.out.find("every parameter is linear"), std::string::npos) << direct.out;
+}
+
+/// What check says cannot be shown, diagnose does not find.
+TEST_F(CommandLine, CheckAndDiagnoseAgreeOnTheRadiusOfTheProbe) {
+  run("simulate --machine three_axis --plan plan.yaml --hide probe_radius=4um --seed 6 -o radius.bag");
+  const nlohmann::json check = typed("check radius.bag --json").json();
+  for (const nlohmann::json& hidden : check["cannot_show"])
+    EXPECT_NE(hidden["effect"]["type"], "probe_radius") << hidden;
+  folder_->write("bare.yaml", "machine: three_axis\neffects: []\n");
+  run("calibrate radius.bag --model bare.yaml --method least_squares -o radius.yaml");
+  const nlohmann::json found = typed("diagnose radius.bag --calibration radius.yaml --json").json();
+  ASSERT_EQ(found["missing"].size(), 1u);
+  EXPECT_EQ(found["missing"][0]["effect"]["type"], "probe_radius");
 }
 
 /// A calibration ends with what to type next, and its uncertainties say of which kind they are.

@@ -72,7 +72,7 @@ TEST_F(Inputs, ASimulatedPlateWithoutVelocitiesShowsItsPlay) {
   EXPECT_TRUE(cannotShow(set, "speed_lag")) << "speeds are not made up";
   ASSERT_FALSE(set["assumed"].empty());
   EXPECT_EQ(set["assumed"][0]["input"], "direction of travel of x");
-  EXPECT_EQ(set["assumed"][0]["how"], "from the approach at the touch");
+  EXPECT_EQ(set["assumed"][0]["how"], "from the approach of the contact");
   EXPECT_GT(set["assumed"][0]["share"].get<double>(), 0.9);
   EXPECT_EQ(set["joints"][0]["travel"]["unknown"], 0);
 

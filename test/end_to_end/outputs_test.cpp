@@ -58,7 +58,7 @@ TEST_F(Outputs, NoOutputReplacesAnInputHoweverItIsNamed) {
 
 TEST_F(Outputs, ModelsArtifactsAndMachinesAreInputsToo) {
   const std::string import = "import s.csv --machine three_axis --artifact artifact.yaml --force -o ";
-  expectRefused(import + "artifact.yaml", {"artifact.yaml", "nothing replaces an input"});
+  expectRefused(import + "artifact.yaml", {"artifact.yaml", "inputs are never overwritten"});
   expectRefused("calibrate s.bag --model m.yaml --force -o m.yaml", {"m.yaml"});
   expectRefused("calibrate s.bag --model m.yaml --force -o new.yaml --curve m.yaml", {"--curve m.yaml"});
   std::filesystem::copy_file("urdf/three_axis.urdf", *folder_ / "own.urdf",
@@ -88,6 +88,15 @@ TEST_F(Outputs, AnotherSessionsCalibrationIsNotReplaced) {
   damaged[damaged.find("value_si: ") + 10] ^= 1;
   folder_->write("damaged.yaml", damaged);
   expectRefused("calibrate s.bag --model m.yaml --method least_squares -o damaged.yaml", {"damaged"});
+}
+
+TEST_F(Outputs, AFinishedCalibrationKeepsItsLedger) {
+  run("add s.bag --calibration c.yaml '{type: backlash, axis: x}' -o finished.yaml");
+  run("add s.bag --calibration c.yaml '{type: backlash, axis: x}' -o finished.yaml");  // as many steps
+  expectRefused("calibrate s.bag --model m.yaml --method least_squares -o finished.yaml",
+                {"finished.yaml", "2 steps in its ledger", "1 would be left", "--force"});
+  run("calibrate s.bag --model m.yaml --method least_squares --force -o finished.yaml");
+  EXPECT_EQ(textOf(*folder_ / "finished.yaml").find("backlash"), std::string::npos);
 }
 
 TEST_F(Outputs, ABagOfAnotherOriginIsNotReplaced) {

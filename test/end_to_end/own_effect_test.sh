@@ -65,9 +65,9 @@ import csv, math; r=list(csv.DictReader(open('corrected.csv'))); d=abs(float(r[0
 # Wrong ones: one line each, and the others go on.
 bad calibrate s.bag --model empty.yaml --method least_squares -o b.yaml >/dev/null 2>err
 check 'wrong plugins do not stop what does not need them' [ $? -eq 0 ]
-for words in 'missing.xml does not exist' 'no_xml.xml:1: is not XML' "'never_built' of package bad_effects is left out" \
-  "'nobody' of package bad_effects is left out: its library has no class" "'old' .* build it again" \
-  "'backlash' is already in the catalogue" "'throws_at_once' of package bad_effects is left out: no licence file"; do
+for words in 'missing.xml does not exist' 'no_xml.xml:1: is not XML' "'never_built' of package bad_effects is ignored" \
+  "'nobody' of package bad_effects is ignored: its library has no class" "'old' .* build it again" \
+  "'backlash' is already in the catalogue" "'throws_at_once' of package bad_effects is ignored: no licence file"; do
   check "one line: $words" [ "$(grep -c "^mm: warning: .*$words" err)" = 1 ]
 done
 check 'no other line' [ "$(wc -l <err)" -eq 7 ]
@@ -78,8 +78,8 @@ refused() {  # refused <type> <words>
   check "$1: says '$2', once" [ "$(grep -c "$2" err)" = 1 ]
 }
 refused throws_in_create "package bad_effects): no such bearing"
-refused throws_at_work 'threw where it was evaluated: the table of loads is empty'
-refused not_linear 'not linear in the parameters that have no'
+refused throws_at_work 'threw during evaluation: the table of loads is empty'
+refused not_linear 'not linear in the parameters without'
 bad diagnose s.bag --calibration c.yaml --json >bad.json 2>err
 check 'a diagnosis goes on without them' [ "$(field bad.json "d['verdict']")" = unknown_effect ]
 

@@ -84,7 +84,7 @@ TEST(Sensors, FromABag) {
   EXPECT_EQ(answer.json()["single"].size(), 32u);
   EXPECT_LT(answer.json()["sets"][0]["cv_rms_um"].get<double>(), 3.0);
   expectRefusal(mmRun(folder, "sensors " + folder / "s.bag" + " --target w"),
-                "'w' is no axis of the machine");
+                "'w' is not an axis of the machine");
 }
 
 /// What CalculiX prints of three nodes and of the growth of a nose that follows the second, in metres.

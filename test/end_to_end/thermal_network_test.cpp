@@ -173,7 +173,7 @@ TEST_F(ThermalNetwork, ANewSessionIsLearnedAndTheOldOneKept) {
   // where the growth bends no line follows it, however much it is shown; the answer says so
   const Answer bent = learn("bending");
   ASSERT_EQ(bent.status, 0) << bent.error;
-  EXPECT_NE(bent.error.find("held out by blocks the updated networks are worse"), std::string::npos)
+  EXPECT_NE(bent.error.find("in block cross-validation the updated networks are worse"), std::string::npos)
       << bent.error;
   const std::string model = folder.write("m.yaml", "machine: three_axis\neffects: []\n");
   ASSERT_EQ(mmRun(folder, "calibrate " + folder / "s.bag" + " --model " + model + " -o " + folder / "c.yaml")

@@ -47,10 +47,10 @@ TEST_F(UncertaintyOfTasks, BadInputIsOneLine) {
   const std::string position = task + "position:0,0,0 ";
   expectRefused(position + "--temperature bed", {"'bed'", "bed=21.5"});
   expectRefused(position + "--temperature bed=warm", {"'warm'"});
-  expectRefused(position + "--temperature bed=21", {"'bed'", "no sensor"});
+  expectRefused(position + "--temperature bed=21", {"'bed'", "not a sensor"});
   expectRefused(position + "--direction x=2", {"'2'", "+1"});
   expectRefused(position + "--direction w=1", {"'w'", "x, y, z"});
-  expectRefused(position + "--approach 0,0,0", {"no direction"});
+  expectRefused(position + "--approach 0,0,0", {"not a direction"});
   expectRefused(position + "--quantity diameter", {"'diameter'", "x, y, z"});
   expectRefused(position + "--mpe 1,100", {"--mpe"});
   expectRefused(position + "--mpe 1", {"'1'", "needs 2"});
@@ -81,7 +81,7 @@ TEST_F(Certificates, ArePagesThatACheckAcceptsAndARefusalProtects) {
   EXPECT_EQ(both.status, 0) << both.error;
   EXPECT_NE(both.out.find("the one that was certified, CRC-64 "), std::string::npos) << both.out;
   EXPECT_NE(both.out.find("the one by which it was calibrated, hash "), std::string::npos) << both.out;
-  EXPECT_NE(typed("certificate --check cert.html --store none").out.find("calibration file: not at hand"),
+  EXPECT_NE(typed("certificate --check cert.html --store none").out.find("calibration file: not available"),
             std::string::npos);
   const Calibration certified = loadCalibration(*folder_ / "c.yaml");
   std::filesystem::create_directory(*folder_ / "kept");

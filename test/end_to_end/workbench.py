@@ -224,6 +224,8 @@ def every_view(browser, bench):
                 browser.wait("!document.querySelector('main').innerText.includes('PAGE ERROR') && document.querySelectorAll('main section').length > 0")
                 too_wide = browser.evaluate("document.documentElement.scrollWidth - innerWidth")
                 check("%s, %d px, %s: fits" % (view, width, scheme), too_wide <= 0, too_wide)
+                opened = browser.evaluate("scrollTo(0, 1e6), document.querySelector('.opened').getBoundingClientRect().top >= 0 && document.querySelector('.opened').innerText")
+                check("%s, %d px, %s: session and machine are on the screen" % (view, width, scheme), opened == "plate.bag, machine three_axis", opened)
                 unnamed = browser.evaluate("""[...document.querySelectorAll("button, a, select, input, textarea, iframe, canvas")].filter((e) =>
                     e.offsetParent !== null && e.tagName !== "CANVAS" && !(e.textContent.trim() || e.getAttribute("aria-label") || e.title ||
                     (e.labels && e.labels.length))).map((e) => e.outerHTML.slice(0, 90))""")

@@ -233,7 +233,7 @@ class Faults(unittest.TestCase):
             lambda: support.wait_until(lambda s=self.joints.send(): s in self.frames.of(CORRECTED), 0.3), 10.0))
 
     def test_no_joint_states(self):
-        self.assertTrue(self.statuses.says("no joint states are arriving", since=self.mark))
+        self.assertTrue(self.statuses.says("no joint states are received", since=self.mark))
         self.assertFalse(self.statuses.last().publishing)
 
     def test_correct_target(self):
@@ -300,7 +300,7 @@ class Faults(unittest.TestCase):
         secret = service("calibrate", Calibrate, bag=self.bag, model="/etc/passwd").message
         self.assertIn("'/etc/passwd' is no model file", secret)
         self.assertNotIn("root:", secret)
-        self.assertIn("/dev/zero: is no file", service("calibrate", Calibrate, bag="/dev/zero", model=long).message)
+        self.assertIn("/dev/zero: is not a regular file", service("calibrate", Calibrate, bag="/dev/zero", model=long).message)
         self.assertIn("annealing", service("calibrate", Calibrate, bag=self.bag, method="annealing").message)
         self.assertIn("nosuchid", service("compare", Compare, bag=self.bag, calibration="nosuchid").message)
         self.assertIn("nosuchid", service("promote", Promote, calibration_id="nosuchid").message)

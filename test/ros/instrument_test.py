@@ -251,7 +251,7 @@ class Instrument(unittest.TestCase):
                         self.measure.get_goal_status_text())
         answers = []
         self.assertTrue(support.wait_until(lambda: answers.append(live()) or answers[-1].calibration_id, 20), answers[-1].message)
-        found = re.search("([0-9]+) of ([0-9]+) contacts that were measured are here", answers[-1].message)
+        found = re.search("([0-9]+) of ([0-9]+) measured contacts were received", answers[-1].message)
         self.assertTrue(found, answers[-1].message)
         here, of = int(found.group(1)), int(found.group(2))
         self.assertTrue(3 <= here < of and 14 <= of <= 18, answers[-1].message)
@@ -271,7 +271,7 @@ class Instrument(unittest.TestCase):
         self.assertTrue(support.wait_until(lambda: any(f.contacts >= 1 for f in told), 30))
         support.kill("/axis_driver")
         self.assertTrue(support.wait_until(lambda: self.measure.get_state() == GoalStatus.ABORTED, 20))
-        self.assertRegex(self.text(), "the axis driver has gone|not homed")
+        self.assertRegex(self.text(), "the axis driver has stopped|not homed")
         # roslaunch starts it again; nothing moves before it is homed.
         def homed():
             try:

@@ -175,7 +175,7 @@ class Lease(unittest.TestCase):
         finally:
             os.kill(pid, signal.SIGCONT)
         self.assertTrue(support.ended(self.measure, 10))
-        self.assertIn("was not renewed for 0.5 s; go on from this move", self.measure.get_result().message)
+        self.assertIn("was not renewed for 0.5 s; continue from this move", self.measure.get_result().message)
         self.rests(began)  # and does not move on by itself
 
     def test_5b_the_driver_stands_still(self):
@@ -199,7 +199,7 @@ class Lease(unittest.TestCase):
         self.moving("/measure")
         self.rests(time.monotonic())
         self.assertTrue(support.ended(self.measure, 5))
-        self.assertIn("whoever began it has not renewed it", self.measure.get_result().message)
+        self.assertIn("its client has not renewed the lease", self.measure.get_result().message)
 
     def test_7_measure_is_asked_to_end(self):
         for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
@@ -221,7 +221,7 @@ class Lease(unittest.TestCase):
         goal.goal_id.id = "/nobody-1-1.0"
         out.publish(goal)
         self.assertTrue(support.wait_until(lambda: results))
-        self.assertIn("'/nobody', which asked for the motion, does not listen", results[0].result.message)
+        self.assertIn("'/nobody', which requested the motion, does not subscribe", results[0].result.message)
         late = subprocess.run([sys.executable, "-c", LATE], capture_output=True, text=True, timeout=40)
         self.assertEqual(late.stdout.split("\n")[0], "reached", late)
 

@@ -73,7 +73,7 @@ class MasterRestart(unittest.TestCase):
         for turn in range(1, 4 if support.long_tests() else 2):
             everybody = sorted(list(NODES) * turn)
             support.stop(master)
-            self.assertTrue(support.wait_until(lambda: said("does not answer: what is connected continues") == everybody, 20),
+            self.assertTrue(support.wait_until(lambda: said("does not answer: existing connections continue") == everybody, 20),
                             said("does not answer"))
             master = self.start_master()
             self.assertTrue(support.wait_until(lambda: said("this node is registered again") == everybody, 20),

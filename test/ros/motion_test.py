@@ -229,7 +229,7 @@ class Motion(unittest.TestCase):
             print("simulated %s: %s" % (fault, result.message))
             self.assertEqual((state, result.outcome), (GoalStatus.ABORTED, MoveResult.LOST), fault)
             self.assertTrue(result.message)
-            late = " late, so that" in result.message  # the watch that bites first, also of a stuck device on a busy machine
+            late = " late, so the motion" in result.message  # the watch that bites first, also of a stuck device on a busy machine
             self.assertTrue(self.call("axis_driver/break_device", BreakDevice, fault="ok").success)
             self.assertTrue(support.wait_until(lambda: not self.motion[-1].lost), fault)
             seen = len(self.joints)

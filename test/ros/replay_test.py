@@ -43,7 +43,7 @@ class Replay(unittest.TestCase):
     def test_2_a_replay_in_a_loop(self):
         """The clock goes back at every turn: the live session begins anew, frames go on."""
         port, said = self.start("rate:=60", "loop:=true")
-        self.assertTrue(said.says("the clock went back: the live session begins anew", 60, times=2), str(said))
+        self.assertTrue(said.says("the clock went back: a new live session begins", 60, times=2), str(said))
         answer = subprocess.run(["rosservice", "call", "/calibration_server/calibrate", "{model: 'effects: []', method: least_squares}"],
                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=support.environment(port), timeout=60).stdout
         observations = re.search(r'observations\\": (\d+)', answer.replace("\n", ""))

@@ -45,7 +45,7 @@ class Sensors(unittest.TestCase):
         last = {n: self.heard[n][-1].temperature - {**KERNEL, **MODBUS}[n][0] for n in list(KERNEL) + list(MODBUS)}
         for names in (KERNEL, MODBUS):
             self.assertLess(max(last[n] for n in names) - min(last[n] for n in names), 0.6, last)
-        for words in ("sensor 'broken' does not answer: its driver says that it is broken", "there is no 'nosuch'; there are: ",
+        for words in ("sensor 'broken' does not answer: its driver reports a fault", "there is no 'nosuch'; there are: ",
                       "sensor 'nobody' does not answer: serial:"):
             self.says(words)
         self.assertFalse(self.heard["broken"] or self.heard["gone"] or self.heard["nobody"])

@@ -94,7 +94,7 @@ class Strangers(unittest.TestCase):
         print("%d stray states, %d frames, %d wrong; sigma %.3f um" % (EACH, len(found), len(wrong), 1e6 * sigma))
         self.assertEqual(wrong, [])
         self.assertGreater(len(found), EACH)
-        words = "joint states of " + rospy.get_name()  # rostest gives the name
+        words = "joint states from " + rospy.get_name()  # rostest gives the name
         self.assertTrue(self.statuses.says(words, since=mark), [s.message for s in self.statuses.all[mark:]])
         self.assertTrue(support.wait_until(lambda: any(words in s for s in self.said)), sorted(set(self.said)))
         self.assertTrue(self.statuses.last().publishing)

@@ -24,7 +24,7 @@ class StuckTime(unittest.TestCase):
         rospy.Subscriber("axis_driver/status", AxisStatus, status.append)
         answer = self.call("axis_driver/home")
         self.assertFalse(answer.success)
-        self.assertIn("the time stands still: /use_sim_time is true", answer.message)
+        self.assertIn("ROS time stands still: /use_sim_time is true", answer.message)
         self.assertTrue(support.wait_until(lambda: status and "time stands still" in status[-1].fault))
         self.assertFalse(status[-1].homed)
         clock, runs = rospy.Publisher("/clock", Clock, queue_size=10), [True]

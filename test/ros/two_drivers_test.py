@@ -67,7 +67,7 @@ class TwoDrivers(unittest.TestCase):
         self.assertTrue(support.wait_until(lambda: self.moving.get("z")))
         self.said.clear()
         self.touch()
-        words = "joint 'z' was not latched, and it cannot be said that it rested: its driver says that it moves"
+        words = "joint 'z' was not latched, and it is not certain that it stood still: its driver reports that it is moving"
         self.assertTrue(support.wait_until(lambda: any(words in s for s in self.said)), sorted(set(self.said)))
         self.assertEqual(self.axes["z_driver"].get_state(), GoalStatus.ACTIVE, "it still moved then")
         self.assertEqual(self.contacts, [])

@@ -45,7 +45,7 @@ class Unheard(unittest.TestCase):
         for number in (1, 2):
             measure.send_goal(MeasureGoal(plan=os.path.join(support.PACKAGE, "test/ros/short_plan.yaml")))
             self.assertTrue(support.ended(measure, SOON), "plan %d has no end" % number)
-            self.assertIn("its connection was cut", measure.get_result().message)
+            self.assertIn("its connection was lost", measure.get_result().message)
             self.assertTrue(support.wait_until(lambda: len(driver.goals) == number))
             self.assertEqual(driver.given, number, "the axes are given back, which stops them")
 

@@ -65,7 +65,7 @@ class VerifyTest(unittest.TestCase):
 
         answer = verify(bag=self.worn, calibration=two, automatic_rollback=True)
         self.assertTrue(answer.success, answer.message)
-        self.assertIn("is not the active one, nothing is rolled back", answer.message)
+        self.assertIn("is not the active calibration, so nothing is rolled back", answer.message)
         self.assertEqual(active(), one)
 
     def test_what_cannot_be_read_is_named(self):

@@ -158,7 +158,7 @@ class Workbench(unittest.TestCase):
         # the session that was fitted says nothing new; a few fresh points do
         ok, message = page.act("verify")
         self.assertFalse(ok, message)
-        self.assertIn("this very session", message)
+        self.assertIn("fitted to this session", message)
         ok, message = page.act("run", client=page.client, plan=self.again)
         self.assertTrue(ok, message)
         self.assertIn("30 observations", message)

@@ -29,7 +29,7 @@ inline CandidateResult play() {
 }
 
 inline Confusable rival(const EffectSpec& effect, double odds, const std::string& moves = "") {
-  return {effect, 1.1, odds, false, "", moves};
+  return {effect, 1.1, odds, false, "", moves, moves.empty() ? 0 : 1};
 }
 
 /// An error along z of 1.41 um at one end of x.

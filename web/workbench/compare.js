@@ -8,31 +8,19 @@ import { Legend, Scatter } from "./scatter.js";
 import { measured, rms, shown, text, unitOf, value } from "./units.js";
 
 const kAll = "all";
-
-/** The error along one direction, from the residuals of touches that were mostly along it; null: there are none. */
-function errorAlong(points, direction) {
-  const approach = points.columns.find((c) => c.name === "approach " + direction), component = points.columns.find((c) => c.name === "component");
-  const residual = points.columns[0], kMost = 0.5; // of the unit vector: a touch from the side says little
-  const wanted = component ? component.words.indexOf(direction) : -1;
-  let seen = 0;
-  const along = (values) => values.map((v, r) => {
-    if (component && known(component.values[r])) return component.values[r] === wanted ? (++seen, v) : null;
-    if (!approach || !known(v) || !(Math.abs(approach.values[r]) >= kMost)) return null;
-    ++seen;
-    return v / -approach.values[r]; // the residual counts outwards, against the approach
-  });
-  const column = { name: "error along " + direction, unit: residual.unit, values: along(residual.values), error: true };
-  return seen > 12 ? column : null;
-}
+const kAlong = /^residual along/; // a deviation, measured minus model, whatever measured it
 
 /** The columns that can be drawn, with those that are made here. */
 function columnsOf(points) {
   const [residual, ...rest] = points.columns;
-  const made = ["x", "y", "z"].map((d) => errorAlong(points, d)).filter(Boolean);
-  made.push(residual, Object.assign({}, residual, { name: "size of the residual", values: residual.values.map((v) => (known(v) ? Math.abs(v) : null)) }));
+  const made = [residual, Object.assign({}, residual, { name: "size of the residual", values: residual.values.map((v) => (known(v) ? Math.abs(v) : null)) })];
   if (points.before) made.push(Object.assign({}, residual, { name: "residual, " + points.before_name, values: points.before }));
   return [...made, ...rest];
 }
+
+/** What a positive residual means. */
+const signOf = (column) => (kAlong.test(column.name) ? "Residual along a direction: the deviation (actual − indicated) as measured minus that of the model; positive where the probe went further in + than the model says." :
+  "Residual: measured minus model; of a touch on a ball positive where the machine found the surface too far out.");
 
 /** Share of the variance of y between classes of x: which picture shows most. */
 function explained(x, y) {
@@ -65,7 +53,7 @@ export function CompareView() {
   const asked = compare ? compare.where.map((w) => w.variable).map((v) => (v === "ball" ? "feature" : v)).filter((v) => find(v)) : [];
   const xc = find(x) || find(asked[0]) || columns.find((c) => c.name === "time") || columns[columns.length - 1];
   const plain = columns.find((c) => c.name === "residual");
-  const shows = useMemo(() => { const errors = columns.filter((c) => c.error); return xc && errors.length ? errors.reduce((a, b) => (explained(xc, b) > explained(xc, a) ? b : a)) : null; }, [columns, xc]);
+  const shows = useMemo(() => { const errors = columns.filter((c) => kAlong.test(c.name)); return xc && errors.length ? errors.reduce((a, b) => (explained(xc, b) > explained(xc, a) ? b : a)) : null; }, [columns, xc]);
   const yc = find(y) || shows || plain, cc = colour === "" ? null : find(colour) || find(asked.find((v) => xc && v !== xc.name && find(v).words)) || null;
   const fc = find(filter), words = fc ? fc.words || null : null;
   const rows = useMemo(() => {
@@ -93,11 +81,12 @@ export function CompareView() {
         h(Choice, { id: "y", label: "Draw", value: yc.name, options: names, onChange: setY }),
         h(Choice, { id: "x", label: "against", value: xc.name, options: names, onChange: setX }),
         h(Choice, { id: "colour", label: "coloured by", value: cc ? cc.name : "", options: [["", "nothing"], ...names], onChange: setColour }),
-        h(Choice, { id: "filter", label: "only", value: filter, options: [[kAll, "everything"], ...columns.filter((c) => !points.columns[0].values || !/residual|error along/.test(c.name)).map((c) => [c.name, c.name])], onChange: (v) => { setFilter(v); setWord(kAll); } }),
+        h(Choice, { id: "filter", label: "only", value: filter, options: [[kAll, "everything"], ...columns.filter((c) => !points.columns[0].values || !/residual/.test(c.name)).map((c) => [c.name, c.name])], onChange: (v) => { setFilter(v); setWord(kAll); } }),
         fc ? h(Choice, { id: "word", label: "where it is", value: String(word), options: [[kAll, "anything"], ...(words ? words.map((w, i) => [String(i), w]) : ["in its lowest quarter", "in its second", "in its third", "in its highest"].map((t, i) => [String(i), t]))], onChange: setWord }) : null),
       h(Legend, { column: cc, c: colours() }),
       h(Scatter, { x: xc, y: yc, colour: cc, rows, onPick: setPicked, label: yc.name + " against " + xc.name + " of " + count + " residuals" }),
-      h("p", { class: "note", "aria-live": "polite" }, "Drawn: " + count + " of " + points.rows + " residuals" + (yc.error ? ", those of touches within 60° of " + yc.name.slice(-1) : "") + "; RMS " + rms(shownRms, count, unit) + " (k\u00a0=\u00a02). The marks with bars are means of classes ± 2 standard errors. Drag to come nearer, double click for the whole; a click, or the arrow keys where the picture has the focus, tells of one point."),
+      /^residual/.test(yc.name) ? h("p", { class: "note" }, signOf(yc)) : null,
+      h("p", { class: "note", "aria-live": "polite" }, "Drawn: " + count + " of " + points.rows + " residuals" + (kAlong.test(yc.name) ? ", those that tell of this direction" : "") + "; RMS " + rms(shownRms, count, unit) + " (k\u00a0=\u00a02). The marks with bars are means of classes ± 2 standard errors. Drag to come nearer, double click for the whole; a click, or the arrow keys where the picture has the focus, tells of one point."),
       picked >= 0 ? h(PickedRow, { points, columns, row: picked }) : null),
     h(Section, { title: "Where the model fails" }, h(Table, { caption: "Share of the residual's variance that one variable explains, in any direction, alone and of what those above it leave; p is corrected for the number of variables", columns: [["Variable"], ["alone", "nowrap"], ["p", "n"], ["beside those above", "n"], ["p", "n"], ["picture", "n"]],
       rows: compare.where.map((w) => [w.variable, [h(Meter, { share: w.share }), percent(w.share)], pValue(w.p_value), percent(w.share_beside), pValue(w.p_value_beside), h("button", { onClick: () => { setX(w.variable === "ball" ? "feature" : w.variable); scrollTo({ top: 0, behavior: "smooth" }); } }, "Draw")]) })),

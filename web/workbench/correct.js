@@ -64,7 +64,7 @@ export function CorrectView() {
     verified ? h("div", { class: "card", role: "status" }, h("h3", null, { helped: "It helped", no_change: "No change", worse: "It is worse", mixed: "Mixed" }[verified.verdict] || verified.verdict), h("p", null, said(verified.in_words))) : null,
     !c.kept ? h("p", { class: "note" }, "What is in hand was fitted on opening and is not kept; add an effect, or calibrate, and it can be promoted.") : same ? h("p", { class: "note" }, "What is in hand is active.") : null,
     h(Section, { title: "The correction in the volume" }, fields.length ? h(Space, { urdf: session && session.urdf, joints: session ? session.joints : [], readings: live ? live.readings : null, points: drawn.points, lines: drawn.lines, label: "Correction vectors on a grid over the calibrated volume",
-      note: (same ? "Blue: active, and in hand." : "Blue: active. Orange: in hand.") + " Vectors are drawn " + grouped(drawn.times) + " times longer than they are." }) : h(Empty, null, "The correction is zero, or cannot be told without a state: ", (field.candidate && said(field.candidate.reason)) || "a model without effects corrects nothing.")),
+      note: (same ? "Blue: active, and in hand." : "Blue: active. Orange: in hand.") + " Vectors are drawn " + drawnLonger(drawn.times) + "."}) : h(Empty, null, "The correction is zero, or cannot be told without a state: ", (field.candidate && said(field.candidate.reason)) || "a model without effects corrects nothing.")),
     h(Export),
     h(Section, { title: "Where it holds" }, h(Table, { caption: "Readings and temperatures that the calibration in hand has seen", columns: [["Input"], ["from", "n"], ["to", "n"]], rows: c.ranges.map((r) => [r.name, text(r.lower, r.unit, 5), text(r.upper, r.unit, 5)]) })));
 }

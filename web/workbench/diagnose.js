@@ -27,7 +27,7 @@ function Figure({ label, make, inputs, caption }) {
 
 function Rivals({ list, variableNote }) {
   if (!list.length) return h("dd", null, variableNote || "none that explains the data nearly as well");
-  return h("dd", null, h("ul", { class: "plain" }, list.map((c) => h("li", { key: yamlOf(c.effect) }, h("b", null, c.in_words),
+  return h("dd", null, h("ul", { class: "plain" }, list.map((c) => h("li", { key: yamlOf(c.effect) }, h("b", null, withSymbol(c)),
     rivalText(c),
     c.moves ? h("div", { class: "note" }, "To tell: " + said(c.moves)) : null))));
 }
@@ -35,7 +35,7 @@ function Rivals({ list, variableNote }) {
 function Card({ found, unit, observations, first }) {
   const key = "held_out_rms_" + unit, yaml = yamlOf(found.effect), pair = found[key];
   return h("article", { class: "card effect", "aria-label": found.in_words },
-    h("div", { class: "heading" }, h("h3", null, found.in_words), h(Action, { label: "Add", kind: first ? "primary" : "", title: yaml, run: () => addAndAsk(yaml) })),
+    h("div", { class: "heading" }, h("h3", null, withSymbol(found)), h(Action, { label: "Add", kind: first ? "primary" : "", title: yaml, run: () => addAndAsk(yaml) })),
     h("p", { class: "size" }, found.parameters.length <= 3 ? found.parameters.map((p) => p.name + " = " + measured(p.value, p.std, p.unit)).join(", ") + " (k\u00a0=\u00a02)" : "size " + text(found["size_" + unit], unit) + " RMS, " + found.parameters.length + " constants"),
     h("dl", null,
       h("dt", null, "Odds"), h("dd", null, found.odds_in_words + " that it acts, against its rivals and chance"),
@@ -54,7 +54,7 @@ function Profile({ found, observations, unit }) {
   const make = (c) => curveWithBand(c, { x: found.curve.map((p) => p[0]), y: found.curve.map((p) => p[1] * factor), half: found.curve.map((p) => 2 * p[2] * factor),
     xLabel: variableName(found.variables[0], found.units[0]) + ", " + unitText(found.units[0]), yLabel: "error along " + found.direction + ", " + name });
   return h("article", { class: "card effect", "aria-label": found.in_words },
-    h("div", { class: "heading" }, h("h3", null, found.in_words), h(Action, { label: "Add", kind: "primary", title: yaml, run: () => addAndAsk(yaml) })),
+    h("div", { class: "heading" }, h("h3", null, withSymbol(found)), h(Action, { label: "Add", kind: "primary", title: yaml, run: () => addAndAsk(yaml) })),
     one ? h(Figure, { make, inputs: [found, factor], label: "Curve of " + found.in_words + " with its band", caption: "The curve ± 2 standard deviations: what no effect of the catalogue explains." }) :
       h(Table, { caption: "Error along " + found.direction + " ± expanded uncertainty (k\u00a0=\u00a02)", columns: [...found.variables.map((v, i) => [variableName(v, found.units[i]) + ", " + unitText(found.units[i]), "n"]), ["error", "n"]], rows: found.curve.map((p) => [num(p[0], 4), num(p[1], 4), measured(p[2], p[3], found.unit)]) }),
     h("dl", null, h("dt", null, "Odds"), h("dd", null, found.odds_in_words), pair ? [h("dt", null, "Held-out RMS"), h("dd", null, rms(pair[0], observations, unit) + " → " + rms(pair[1], observations, unit) + " (k\u00a0=\u00a02)")] : null));
@@ -81,12 +81,12 @@ function OwnFormula({ directions }) {
 function Drift({ d }) {
   if (!d.drift.length) return h("p", null, "No drift beside what the model has.");
   return h("div", null, d.drift.map((one) => h("div", { class: "card", key: one.direction }, h("p", null, h("b", null, said(one.in_words)), ". ", said(one.to_do)),
-    one.perhaps.length ? h("ul", { class: "plain" }, one.perhaps.map((p) => h("li", { key: yamlOf(p.effect) }, "Perhaps " + p.in_words + ", odds " + p.odds_in_words + ", " + percent(p.share) + " of it"))) : null)));
+    one.perhaps.length ? h("ul", { class: "plain" }, one.perhaps.map((p) => h("li", { key: yamlOf(p.effect) }, "Perhaps " + withSymbol(p) + ", odds " + p.odds_in_words + ", " + percent(p.share) + " of it"))) : null)));
 }
 
 // What follows a variation, the likelier first.
 function followers(v) {
-  const causes = (v.or_instead || []).map((a) => ({ effect: a.effect, odds: a.odds, words: h("p", null, "Perhaps ", a.in_words, ", odds " + a.odds_in_words) }));
+  const causes = (v.or_instead || []).map((a) => ({ effect: a.effect, odds: a.odds, words: h("p", null, "Perhaps ", withSymbol(a), ", odds " + a.odds_in_words) }));
   const formula = v.formula ? [{ effect: v.formula, words: h("p", null, h("code", null, v.formula), " follows it") }] : [];
   return causes.length && causes[0].odds > 0.5 ? causes.concat(formula) : formula.concat(causes);
 }
@@ -106,13 +106,13 @@ export function DiagnoseView() {
     d.profiles.length || d.formulas.length ? h(Section, { title: "What no effect of the catalogue explains" }, d.profiles.map((p) => h(Profile, { key: yamlOf(p.effect), found: p, observations: n, unit })),
       d.formulas.map((f) => { const yaml = yamlOf(Object.assign({ type: "formula" }, Object.fromEntries(Object.entries(f).filter(([k]) => ["direction", "formula", "start"].includes(k))))); return h("div", { class: "card", key: yaml }, h("div", { class: "heading" }, h("h3", null, "The same as a formula: ", h("code", null, f.formula)), h(Action, { label: "Add", run: () => addAndAsk(yaml) })), f[key] ? h("p", null, "Held-out RMS " + rms(f[key][0], n, unit) + " → " + rms(f[key][1], n, unit) + " (k\u00a0=\u00a02)") : null); })) : null,
     varies.length ? h(Section, { title: "Not the same everywhere", lead: "What is left of effects that are in the model with one size, or one shape." }, varies.map((v) => h("div", { class: "card", key: v.in_words + v.along },
-      h("h3", null, v.in_words + (v.along ? " along " + v.along : "")),
+      h("h3", null, withSymbol(v) + (v.along ? " along " + v.along : "")),
       h("p", { class: "size" }, measured(v["rms_" + unit], v["rms_std_" + unit], unit) + " RMS is left of it (k\u00a0=\u00a02)"), followers(v).map((f, i) => h("div", { class: "heading", key: f.effect }, f.words, h(Action, { label: "Add", kind: i === 0 ? "primary" : undefined, title: f.effect, run: () => addAndAsk(f.effect) })))))) : null,
     d.next_measurement.length ? h(Section, { title: "What to measure next", action: h("a", { class: "button", href: downloadAddress("moves"), download: "moves.yaml" }, "Keep the plan") }, h("p", null, d.next_measurement.length + " targets that best separate what these data do not" + (moves ? "; the view Measure runs them." : "."))) : null,
     h(Section, { title: "Your own formula", lead: "A formula is one effect more: added, refitted, and in the ledger like any other." }, h(OwnFormula, { directions })),
     h(Section, { title: "Drift" }, h(Drift, { d })),
     d.missing_inputs.length ? h(Section, { title: "Inputs that were not recorded" }, h(Table, { caption: "What could act unseen without them", columns: [["Input"], ["in its place", "text"], ["cannot be excluded", "text"]], rows: d.missing_inputs.map((i) => [i.input, i.assumed ? "assumed " + i.assumed : "–", i.assumed ? "–" : i.in_words || "–"]) })) : null,
     byOdds.length ? h(Section, { title: "Other causes that were asked", lead: "The odds are those beside what was found: what only imitates it has none. The held-out error is that of each alone, everything refitted with it." }, h(Table, { caption: d.candidates.length + " causes asked, best first", columns: [["Cause"], ["odds", "nowrap"], ["held-out RMS after (k\u00a0=\u00a02)", "nowrap"], ["add", "n"]],
-      rows: byOdds.map((c) => [c.in_words, c.odds_in_words, c[key] && known(c[key][1]) && c[key][0] !== c[key][1] ? [h(Meter, { share: 1 - c[key][1] / c[key][0] }), rms(c[key][1], n, unit)] : "–", h(Action, { label: "Add", run: () => addAndAsk(yamlOf(c.effect)) })]), most: 8 })) : null,
-    d.cannot_show.length ? h(Section, { title: "What this session could not have shown" }, h(Table, { caption: "Effects, why they stay hidden, and what would show them", columns: [["Effect", "text"], ["why", "text"], ["what would show it", "text"]], rows: d.cannot_show.map((c) => [c.in_words, said(c.why), said(c.moves)]), most: 8 })) : null);
+      rows: byOdds.map((c) => [withSymbol(c), c.odds_in_words, c[key] && known(c[key][1]) && c[key][0] !== c[key][1] ? [h(Meter, { share: 1 - c[key][1] / c[key][0] }), rms(c[key][1], n, unit)] : "–", h(Action, { label: "Add", run: () => addAndAsk(yamlOf(c.effect)) })]), most: 8 })) : null,
+    d.cannot_show.length ? h(Section, { title: "What this session cannot exclude" }, h(Table, { caption: "Effects, why they stay hidden, and what would show them", columns: [["Effect", "text"], ["why", "text"], ["what would show it", "text"]], rows: d.cannot_show.map((c) => [withSymbol(c), said(c.why), said(c.moves)]), most: 8 })) : null);
 }

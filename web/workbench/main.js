@@ -2,7 +2,7 @@
 
 import { h, render } from "preact";
 import { useEffect, useState } from "preact/hooks";
-import { act, connect, name, state, useNews } from "./server.js";
+import { act, connect, name, state, useDocument, useNews } from "./server.js";
 import { Action, Choice, useUnits } from "./parts.js";
 import { units } from "./units.js";
 import { SessionView, sendFile } from "./session.js";
@@ -23,6 +23,16 @@ function setTheme(theme) {
   else delete document.documentElement.dataset.theme;
   localStorage.setItem("mm-theme", theme);
   dispatchEvent(new Event("mm-theme"));
+}
+
+const lastPart = (path) => path.split("/").pop();
+
+/** Which session and which machine every view shows. */
+function Opened() {
+  const session = useDocument("session"), machine = useDocument("machine");
+  const name = session ? session.machine : machine ? machine.name : "";
+  const words = (session ? lastPart(session.name) : "No session") + (name ? ", machine " + lastPart(name).replace(/\.urdf$/, "") : "");
+  return h("p", { class: "opened", title: words }, words);
 }
 
 function Running() {
@@ -73,7 +83,7 @@ function Page() {
   useEffect(() => { document.title = kViews.find(([id]) => id === view)[1] + " – workbench"; }, [view]);
   const View = kViews.find(([id]) => id === view)[2];
   return h("div", null,
-    h("header", { class: "top" }, h("a", { class: "skip", href: "#view", onClick: (e) => { e.preventDefault(); document.getElementById("view").focus(); } }, "Skip to the view"), h("div", { class: "brand" }, h("h1", null, "Workbench"), h(StopButton)),
+    h("header", { class: "top" }, h("a", { class: "skip", href: "#view", onClick: (e) => { e.preventDefault(); document.getElementById("view").focus(); } }, "Skip to the view"), h("div", { class: "brand" }, h("h1", null, "Workbench"), h(Opened), h(StopButton)),
       h("nav", { "aria-label": "Views" }, h("ul", null, kViews.map(([id, title], i) => h("li", { key: id }, h("a", { href: "#" + id, "aria-current": id === view ? "page" : null, title: "Key " + (i + 1) }, title))))),
       h("details", { class: "settings" }, h("summary", null, "Settings"), h("div", { class: "controls" },
         h(Choice, { id: "deviation", label: "Deviations", value: units.deviation, options: [["um", "µm (lengths in mm)"], ["mm", "mm"], ["in", "mil (lengths in inch)"]], onChange: (v) => units.choose("deviation", v) }),

@@ -164,7 +164,7 @@ export function Scatter({ x, y, colour, rows, label, onPick }) {
     const pad = (u, low, high) => { const span = high - low || 1; return [low - 0.04 * span, high + 0.04 * span]; };
     return [{
       scales: { x: { time: false, range: x.words ? [-0.6, x.words.length - 0.4] : pad }, y: { range: pad } },
-      axes: [axis(c, x.name + (x.unit && !x.words ? ", " + unitOf(x.unit) : ""), x.words ? { splits: () => x.words.map((w, i) => i), values: () => x.words } : {}), axis(c, y.name + ", " + unitOf(y.unit), { size: 62 })],
+      axes: [axis(c, x.name + (x.unit && !x.words ? ", " + unitOf(x.unit) : ""), x.words ? { splits: () => x.words.map((w, i) => i), values: () => x.words } : {}), axis(c, y.name + (/^residual/.test(y.name) ? " (measured \u2212 model)" : "") + ", " + unitOf(y.unit), { size: 62 })],
       series: [{}, { paths: () => null, points: { show: false } }],
       hooks: { draw: [points], ready: [pick] },
     }, [drawn.xs, drawn.ys], drawn.xs.map((v, i) => ({ x: v, y: drawn.ys[i], colour: tint.palette[numbers[i]] })).concat(drawn.bins.map((b) => ({ x: b.at, y: b.mean, half: b.half, colour: c.ink })))];

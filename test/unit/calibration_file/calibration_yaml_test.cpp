@@ -270,7 +270,7 @@ TEST(SaveCalibration, keepsTheOldFileWhenTheDiskIsFull) {
   EXPECT_EQ(readFile(folder / "c.yaml"), before);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
   if (fs::exists("/dev/full")) {
-    EXPECT_NE(refusal([&] { writeFileAtomically("/dev/full", "text"); }).find("make room"),
+    EXPECT_NE(refusal([&] { writeFileAtomically("/dev/full", "text"); }).find("free disk space"),
               std::string::npos);
   }
   EXPECT_TRUE(!fs::exists("/dev/full") || fs::is_character_file("/dev/full"));

@@ -219,7 +219,7 @@ TEST(Compensator, sigmaSaysThatPlayIsBeingTakenUp) {
     const Correction now = compensator.apply(state);
     ASSERT_TRUE(now.valid) << now.reason;
     EXPECT_NEAR(now.sigma, std::sqrt(settled * settled + left * left / 3.0), 1e-12) << since;
-    EXPECT_EQ(now.note.find("play of x is being taken up") != std::string::npos, left > 0.0) << now.note;
+    EXPECT_EQ(now.note.find("backlash of x is being taken up") != std::string::npos, left > 0.0) << now.note;
   }
   state.sinceReversal = {test::kUnknown, 0, 0};
   EXPECT_EQ(compensator.apply(state).sigma, settled);
@@ -265,7 +265,7 @@ TEST(Compensator, sigmaSaysThatThePastOfATemperatureIsNotKnown) {
   EXPECT_TRUE(now.pastUnknown);
   EXPECT_EQ(now.displacement, settled.displacement);
   EXPECT_NEAR(now.sigma, std::sqrt(settled.sigma * settled.sigma + 36e-12 / 3.0), 1e-12) << "3 K of 2 um/K";
-  EXPECT_NE(now.note.find("may be off by 6 um"), std::string::npos) << now.note;
+  EXPECT_NE(now.note.find("may be wrong by 6 um"), std::string::npos) << now.note;
 }
 
 }  // namespace

@@ -113,7 +113,7 @@ TEST(CorrectTarget, aTargetNearerThanANegativePlayIsApproachedUpwardsAndSaysSo) 
   const Compensator compensator(c);
   const TargetReadings found = compensator.correctTarget({1e-6, 0, 0}, stateAt(compensator, {0, 0, 0}));
   ASSERT_TRUE(found.reached) << found.reason;
-  EXPECT_NE(found.correction.note.find("nearer than the play of x"), std::string::npos)
+  EXPECT_NE(found.correction.note.find("nearer than the backlash of x"), std::string::npos)
       << found.correction.note;
   EXPECT_NEAR(found.position[0], -1e-6, 1e-11);
 }
@@ -130,7 +130,7 @@ TEST(CorrectTarget, itsSigmaSaysWhenTheMoveIsTooShortToTakeUpThePlay) {
   const TargetReadings within = compensator.correctTarget({1.5e-6, 0, 0}, now);  // half a micrometre further
   ASSERT_TRUE(within.reached) << within.reason;
   EXPECT_NEAR(within.sigma, 2.5e-6 / std::sqrt(3.0), 1e-8);
-  EXPECT_NE(within.correction.note.find("play of x is being taken up"), std::string::npos);
+  EXPECT_NE(within.correction.note.find("backlash of x is being taken up"), std::string::npos);
 }
 
 TEST(CorrectTarget, saysWhyATargetIsNotReached) {

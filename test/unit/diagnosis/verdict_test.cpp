@@ -50,7 +50,7 @@ TEST(DecidedVerdict, WhatIsQuickerThanTheMeasurementsIsScatter) {
       << sentenceOf(d);
   d.drift[0].ofThePlace = true;
   EXPECT_NE(sentenceOf(d).find("x scatters by 0.4 um RMS from one place to the next"), std::string::npos);
-  EXPECT_NE(sentenceOf(d).find("the runs agree, so it follows the place"), std::string::npos);
+  EXPECT_NE(sentenceOf(d).find("the runs agree, so it depends on the position"), std::string::npos);
   d.drift[0].ofThePlace = false;
   EXPECT_EQ(driftAdvice(d.drift[0]).find("every"), std::string::npos) << driftAdvice(d.drift[0]);
   d.drift[0].quickStd = 0.38e-6;

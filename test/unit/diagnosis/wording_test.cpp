@@ -142,11 +142,12 @@ TEST(Sentence, SaysThePeriodThatWasFoundAndWhichLookTheSame) {
 TEST(Sentence, SaysWhatWasAssumedWhereItMattersToWhatIsNamed) {
   Diagnosis d = verdict(Verdict::kMissingEffect);
   d.missing = {play()};
-  d.missingInputs = {{"direction of travel of x", "from the approach at the touch", {backlash("x")}},
-                     {"direction of travel of y", "from the approach at the touch", {backlash("y")}},
+  d.missingInputs = {{"direction of travel of x", "from the approach of the contact", {backlash("x")}},
+                     {"direction of travel of y", "from the approach of the contact", {backlash("y")}},
                      {"speed of x", "", {EffectSpec("speed_lag")}}};
-  EXPECT_NE(sentenceOf(d).find(". The direction of travel of x was assumed from the approach at the touch."),
-            std::string::npos);
+  EXPECT_NE(
+      sentenceOf(d).find(". The direction of travel of x was assumed from the approach of the contact."),
+      std::string::npos);
   EXPECT_EQ(sentenceOf(d).find("travel of y"), std::string::npos);
   EXPECT_EQ(sentenceOf(d).find("speed of x"), std::string::npos);
 }
@@ -164,6 +165,48 @@ TEST(Sentence, ConfusableNamesTheRivalsWithTheirOdds) {
   EXPECT_NE(
       sentenceOf(d).find("speed lag (1 to 2): these data do not separate them; the listed moves would."),
       std::string::npos);
+}
+
+TEST(Sentence, MovesThatDoNotSeparateAreNotSaidToDoSo) {
+  Diagnosis d = verdict(Verdict::kConfusable);
+  d.missing = {play()};
+  d.missing[0].odds = 0.5;
+  d.missing[0].confusableWith = {rival(EffectSpec("speed_lag"), 0.3, "a"), rival(growth("y"), 0.2, "b")};
+  d.nextMeasurement.resize(1);
+  const auto moves = [&](int first, int second) {
+    d.missing[0].confusableWith[0].repeats = first;
+    d.missing[0].confusableWith[1].repeats = second;
+    const std::string text = sentenceOf(d), from = "do not separate them";
+    const std::size_t begin = text.find(from) + from.size();
+    return text.substr(begin, text.find('.', begin) - begin);
+  };
+  EXPECT_EQ(moves(1, 1), "; the listed moves would");
+  EXPECT_EQ(moves(1, 12), "; the listed moves would, measured 12 times");
+  EXPECT_EQ(moves(1, 0), "; the listed moves would separate only speed lag");
+  EXPECT_EQ(moves(4, 0), "; the listed moves would, measured 4 times, separate only speed lag");
+  EXPECT_EQ(moves(0, 0), "");
+}
+
+TEST(Sentence, NoiseFarBelowWhatWasDeclaredIsNotAtIt) {
+  Diagnosis d = verdict(Verdict::kExplained);
+  EXPECT_NE(sentenceOf(d).find(", at the repeatability of 0.3 um (declared)"), std::string::npos);
+  d.base.repeatability = 300e-6;
+  EXPECT_NE(sentenceOf(d).find(", far below the repeatability of 300 um (declared)"), std::string::npos)
+      << sentenceOf(d);
+}
+
+TEST(Moves, AreSaidToSeparateWhereAPracticableNumberOfRepeatsDoes) {
+  EXPECT_EQ(repeatsOfMoves(3.0, 12), 1);
+  EXPECT_EQ(movesInWords(4.0, 12), "the 12 proposed moves differ by 4 standard deviations");
+  EXPECT_EQ(repeatsOfMoves(1.0, 12), 9);
+  EXPECT_NE(movesInWords(1.0, 12).find(": measure them 9 times"), std::string::npos) << movesInWords(1.0, 12);
+  for (const double little : {0.1, 0.0}) {
+    EXPECT_EQ(repeatsOfMoves(little, 12), 0);
+    const std::string text = movesInWords(little, 12);
+    EXPECT_NE(text.find("no practicable number of repeats"), std::string::npos) << text;
+    EXPECT_EQ(text.find("proposed"), std::string::npos) << text;
+  }
+  EXPECT_EQ(repeatsOfMoves(4.0, 0), 0);
 }
 
 TEST(Sentence, ConfusableBesideWhatIsSure) {
@@ -242,9 +285,9 @@ TEST(Sentence, ScatterIsSaidAgainstTheRepeatability) {
   d.noise = 0.93e-6;
   d.noiseStd = 0.02e-6;
   EXPECT_EQ(sentenceOf(d),
-            "No effect and no structure is left, but the scatter of 0.93 ± 0.04 um (k = 2) is 3.1 "
-            "times the repeatability of 0.3 um (declared): either that is stated too small, or an influence "
-            "acts that follows nothing recorded. Touch one point twenty times to find out which.");
+            "No effect and no structure is left, but the scatter of 0.93 ± 0.04 um (k = 2) is 3.1 times the "
+            "repeatability of 0.3 um (declared): either that is stated too small, or an influence acts that "
+            "is unrelated to anything recorded. Touch one point twenty times to decide between the two.");
   d.base.repeatabilityFrom = "estimated";
   EXPECT_EQ(
       sentenceOf(d),
@@ -293,7 +336,8 @@ TEST(Drift, TheAdviceIsAQuarterOfItsTime) {
   DriftResult d = wander();
   EXPECT_NE(driftAdvice(d).find("every 5 min"), std::string::npos);
   d.perhaps = {{growth("x"), 0.3, 0.7}};
-  EXPECT_NE(driftAdvice(d).find("at other temperatures, out of step with time"), std::string::npos);
+  EXPECT_NE(driftAdvice(d).find("at other temperatures that do not simply rise or fall with time"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -213,7 +213,7 @@ TEST_F(GrblTest, EmergencyStopReachesTheControlWhateverItDoes) {
 TEST_F(GrblTest, EveryFaultOfTheLineIsSaidAndNothingMovesThatShouldNot) {
   const std::vector<std::pair<std::string, std::string>> faults = {{"off", "the connection ended"},
                                                                    {"stuck", "no status report for"},
-                                                                   {"garbage", "no language of grbl"},
+                                                                   {"garbage", "not grbl protocol"},
                                                                    {"wrong", "the position of x jumped by"},
                                                                    {"slow", "late"},
                                                                    {"intermittent", "no status report for"}};
@@ -261,7 +261,7 @@ TEST(GrblController, SaysWhatIsWrongWithItsParameters) {
       {{{"address", "tcp:127.0.0.1:99999"}}, "from 1 to 65535"},
       {{{"address", "serial:/dev/nosuch"}}, "/dev/nosuch: cannot be opened"},
       {{{"address", "tcp:127.0.0.1:1"}}, "tcp:127.0.0.1:1: cannot be opened"},
-      {{{"address", "tcp:127.0.0.1:1"}, {"axes", "x:Q"}}, "'Q' is no axis of this controller"},
+      {{{"address", "tcp:127.0.0.1:1"}, {"axes", "x:Q"}}, "'Q' is not an axis of this controller"},
       {{{"address", "tcp:127.0.0.1:1"}, {"axes", "x:X y:X"}}, "moves two joints"},
       {{{"address", "tcp:127.0.0.1:1"}, {"sign", "x:2"}}, "must be 1 or -1"},
       {{{"adress", "tcp:127.0.0.1:1"}}, "'adress' is not known to the grbl controller"}};

@@ -74,7 +74,7 @@ TEST_F(GrblTroubleTest, WhichSwitchIsClosedIsNotGuessed) {
   expectWords(refusal([&] {
                 control_->moveOffLimit({"test", 0});
               }),
-              "which of the two switches of x is closed is not known");
+              "which of the two limit switches of x is closed is unknown");
   EXPECT_EQ(double_->tell("machine")["position"][0].get<double>(), before);
 }
 

@@ -146,8 +146,9 @@ TEST_F(LinuxCncTest, AStopThatHasNoEffectIsSaidAgain) {
   ASSERT_TRUE(await([&] { return !control_->view().state.emergencyStop; }));
   double_->tell("refuse 1000");
   control_->emergencyStop("/panel");
-  EXPECT_TRUE(await([&] { return control_->view().lost.find("use the machine's own") != std::string::npos; }))
-      << control_->view().lost;
+  EXPECT_TRUE(await([&] {
+    return control_->view().lost.find("press the machine's emergency stop button") != std::string::npos;
+  })) << control_->view().lost;
 }
 
 TEST_F(LinuxCncTest, AStopOfWhichIsHeardLateThatItWasTakenIsOverThen) {
@@ -210,7 +211,7 @@ TEST_F(LinuxCncDeadManTest, ADriverThatGivesNoSignIsStoppedAndSaysSo) {
   cycle();
   const MotionControl::Report report = moving.get();
   EXPECT_EQ(report.outcome, Outcome::kStopped);
-  expectWords(report.message, "no sign of life");
+  expectWords(report.message, "the driver's heartbeat was missing");
 }
 
 // The end of the driver's process is the end of the pipe.
@@ -296,7 +297,7 @@ TEST_F(LinuxCncTest, AHelperThatSpeaksAnotherLanguageIsNamed) {
   expectWords(refusal([&] {
                 controller.open(controllerSetup(machine_, {{"helper", "/bin/echo"}}));
               }),
-              "no line of linuxcnc_helper");
+              "not from linuxcnc_helper");
 }
 
 TEST_F(LinuxCncFaultsTest, WhereNoLinuxCncRunsThatIsSaid) {

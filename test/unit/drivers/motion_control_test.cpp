@@ -19,7 +19,7 @@ TEST_F(MotionControlTest, ReachedIsWhatTheReadingsSay) {
   controller_->shortBy = 50e-6;  // and the controller says that it arrived
   report = go({0.003, 0.0, 0.0});
   EXPECT_EQ(report.outcome, Outcome::kAlarm);
-  expectWords(report.message, "x rests -0.05 mm beside its target of 3");
+  expectWords(report.message, "x stopped -0.05 mm from its target 3 mm (tolerance");
 }
 
 TEST_F(MotionControlTest, NoMotionBeforeHomingNorAfterAReset) {
@@ -127,7 +127,7 @@ TEST_F(MotionControlTest, SeveralShortMotionsDoNotLeadIntoASurfaceEither) {
   for (int i = 1; i <= 4 && further.outcome == Outcome::kReached; ++i)
     further = go({trip.position[0] + 1.5e-3 * i, 0.0, 0.0}, 0.01);
   EXPECT_EQ(further.outcome, Outcome::kTripped);
-  expectWords(further.message, "the probe stayed closed for 2");
+  expectWords(further.message, "the probe stayed closed over 2");
   EXPECT_LT(further.position[0] - trip.position[0], 2.5e-3);
   // out of it, and in again: it counts from there
   auto away = start({0.0, 0.0, 0.0});
@@ -164,7 +164,7 @@ TEST_F(MotionControlTest, ThePlaceOfASurfaceIsOfItsZero) {
   EXPECT_TRUE(control_->view().state.homed);
 }
 
-// before: "whether the axes rest is not known", after 5 s
+// before: "it is unknown whether the axes have stopped", after 5 s
 TEST_F(MotionControlTest, StopAnswersBesideAnEncoderThatDithers) {
   home();
   std::atomic<int> polls{0};
@@ -296,8 +296,8 @@ TEST_F(MotionControlTest, ABlockedPollIsALossThatIsSaid) {
   EXPECT_EQ(ended.outcome, Outcome::kLost);
   expectWords(ended.message, "has not answered");
   EXPECT_GE(controller_->stops, 1);
-  expectWords(refusal([&] { control_->stop("/panel"); }), "whether the axes rest is not known");
-  expectWords(refusal([&] { home(); }), "only stop and emergency stop reach it now");
+  expectWords(refusal([&] { control_->stop("/panel"); }), "it is unknown whether the axes have stopped");
+  expectWords(refusal([&] { home(); }), "only stop and emergency stop are sent to it");
   controller_->block = false;
 }
 

@@ -98,7 +98,7 @@ TEST_F(MotionLeaseTest, WhoeverEndsStopsFirst) {
   auto report = slow({"panel", 0});
   EXPECT_TRUE(control_->shutDown("the driver ends"));
   expectStopped(report, "stopped by the driver ends");
-  expectWords(refusal([&] { go({0.0, 0.0, 0.0}); }), "the driver ends");
+  expectWords(refusal([&] { go({0.0, 0.0, 0.0}); }), "the driver is shutting down");
 }
 
 TEST_F(MotionLeaseTest, AStopDuringAResetOfTheEmergencyStopStays) {
@@ -136,7 +136,7 @@ TEST_F(MotionLeaseTest, AMotionThatNobodyWatchedForLongIsEnded) {
   ASSERT_EQ(report.wait_for(std::chrono::seconds(4)), std::future_status::ready) << "it moves on";
   const MotionControl::Report ended = report.get();
   EXPECT_EQ(ended.outcome, Outcome::kLost);
-  expectWords(ended.message, "the driver stood still for 1.1 s, in which nobody watched the motion");
+  expectWords(ended.message, "the driver was suspended for 1.1 s, during which the motion was not monitored");
   EXPECT_FALSE(control_->view().state.moving);
 }
 

@@ -47,10 +47,11 @@ TEST(SerialAddress, WhatIsNoSpeedIsNamedWithItsBoundAndRemedy) {
             "that ends so, write the speed too");
   EXPECT_EQ(parsed("serial:/dev/nosuch:12:9600").device, "/dev/nosuch:12");
   EXPECT_NE(refusal("serial:/dev/nosuch:99999999999999999999").find("is not a number"), std::string::npos);
-  EXPECT_NE(refusal("serial:/dev/nosuch:8N1").find("bits, but no speed before them"), std::string::npos);
+  EXPECT_NE(refusal("serial:/dev/nosuch:8N1").find("has a frame format but no baud rate before it"),
+            std::string::npos);
   EXPECT_NE(refusal("serial:ttyUSB0").find("names no device, whose path begins with /"), std::string::npos);
   EXPECT_NE(refusal("serial:").find("names no device"), std::string::npos);
-  EXPECT_NE(refusal("tcp:localhost:7").find("is no serial line; write so"), std::string::npos);
+  EXPECT_NE(refusal("tcp:localhost:7").find("is not a serial line; write so"), std::string::npos);
 }
 
 TEST(SerialAddress, OfAControllerAndOfAModule) {

@@ -24,14 +24,14 @@ std::string refusal(std::vector<TemperatureSetup> sensors) {
 
 TEST(TemperatureSetups, WhatIsWrongIsNamed) {
   const std::vector<std::pair<std::map<std::string, std::string>, std::string>> wrong = {
-      {{}, "by one of hwmon, iio, file, modbus"},
-      {{{"hwmon", "a"}, {"iio", "b"}}, "by one of hwmon, iio, file, modbus"},
-      {{{"hwmon", "a"}, {"chanel", "temp1"}}, "'chanel' is not known here; did you mean 'channel'"},
+      {{}, "hwmon, iio, file or modbus"},
+      {{{"hwmon", "a"}, {"iio", "b"}}, "hwmon, iio, file or modbus"},
+      {{{"hwmon", "a"}, {"chanel", "temp1"}}, "'chanel' is unknown; did you mean 'channel'"},
       {{{"hwmon", "a"}, {"channel", "../temp1"}}, "not a path"},
       {{{"hwmon", "a"}, {"scale", "1,5"}}, "'scale' is '1,5', but must be a number from"},
       {{{"iio", ""}}, "need names"},
       {{{"file", "temperature"}}, "begins with /"},
-      {{{"modbus", "tcp:localhost"}}, "is no serial line; write serial:<device>:<baud>:<bits>"},
+      {{{"modbus", "tcp:localhost"}}, "is not a serial line; write serial:<device>:<baud>:<bits>"},
       {{{"modbus", "serial:ttyUSB0"}}, "names no device"},
       {{{"modbus", "serial:/dev/ttyUSB0:12"}}, "'12' is not a number from 300 to 4000000"},
       {{{"modbus", "serial:/dev/ttyUSB0:9600:8X1"}}, "'8X1' is not 8N1"},
@@ -50,7 +50,7 @@ TEST(TemperatureSetups, WhatIsWrongIsNamed) {
     EXPECT_EQ(said.rfind("sensor 'bed': ", 0), 0u) << said;
     EXPECT_NE(said.find(words), std::string::npos) << said << " lacks: " << words;
   }
-  EXPECT_NE(refusal({{"bed", {{"hwmon", "a"}}}, {"bed", {{"hwmon", "b"}}}}).find("is there twice"),
+  EXPECT_NE(refusal({{"bed", {{"hwmon", "a"}}}, {"bed", {{"hwmon", "b"}}}}).find("appears twice"),
             std::string::npos);
   EXPECT_NE(refusal({{"", {{"hwmon", "a"}}}}).find("no name"), std::string::npos);
 }
@@ -81,7 +81,7 @@ TEST(TemperatureSetups, OneLineHasOneSetting) {
   EXPECT_EQ(makeTemperatureDevices(lines({}, {{"modbus", "serial:/dev/nosuch0:9600:8N1"}}), "/nosuch").size(),
             1u);
   const std::string baud = refusal(lines({}, {{"modbus", "serial:/dev/nosuch0:19200"}}));
-  EXPECT_NE(baud.find("one line has one setting"), std::string::npos) << baud;
+  EXPECT_NE(baud.find("all sensors of a serial line share one setting"), std::string::npos) << baud;
   const std::string time =
       refusal(lines({{"timeout", "0.2"}}, {{"modbus", "serial:/dev/nosuch0"}, {"timeout", "0.3"}}));
   EXPECT_NE(time.find("timeout of 0.2 s for another sensor"), std::string::npos) << time;
@@ -144,7 +144,7 @@ TEST_F(MadeUpTree, WhatIsWrongIsSaidAndNotReplaced) {
   expect({{"hwmon", "bench"}}, "holds '2? garbage', not a number");
   write("class/hwmon/hwmon0/temp1_input", "20000\n");
   write("class/hwmon/hwmon0/temp1_fault", "1\n");
-  expect({{"hwmon", "bench"}}, "says that it is broken");
+  expect({{"hwmon", "bench"}}, "reports a fault");
 }
 
 TEST(ModbusTemperature, RegistersInEveryLayout) {

@@ -69,8 +69,9 @@ TEST_F(Trust, AfterNonsenseItMustComeBackToo) {
   reads(20.3, 5);
   reads(850.0, 60);
   EXPECT_EQ(reads(40.3, 60), 0) << "the minute was no silence";
-  expectSays(trust_.why(),
-             "reads 40.30 degC after nonsense, 20.0 K from what it was before; it is believed again");
+  expectSays(
+      trust_.why(),
+      "reads 40.30 degC after implausible values, 20.0 K from its value before them; it is believed again");
   EXPECT_EQ(reads(20.9, 5), 10);
 }
 

@@ -8,39 +8,45 @@
 #include <sstream>
 
 #include "base/format.h"
-#include "effects/effect_words.h"
+#include "effects/iso230_symbol.h"
 #include "effects_support.h"
 
 namespace mm {
 namespace {
 
 constexpr const char* kPage = "docs/effects.md";
-constexpr const char* kBegin = "<!-- from the registry -->\n";
+constexpr const char* kBegin = "<!-- registry -->\n";
 constexpr const char* kEnd = "<!-- end -->\n";
 
+struct PageExample {
+  EffectPtr effect;
+  std::string symbol;  // of ISO 230-1; empty: it has none
+};
+
 /// One member of each type, on a machine that can have it.
-EffectPtr exampleOf(const std::string& type) {
+PageExample exampleOf(const std::string& type) {
   for (const int which : {0, 1}) {
     const MachineRig rig = rigOf(which);
     for (const EffectSpec& spec : everySpec(rig.domain, which))
-      if (spec.type == type) return createEffect(spec, rig.domain, networksOf(rig.domain));
+      if (spec.type == type)
+        return {createEffect(spec, rig.domain, networksOf(rig.domain)), ErrorSymbols(rig.machine).of(spec)};
   }
-  return nullptr;
+  return {};
 }
 
-/// Its example, its parameters and its words.
-std::string registryPart(const Effect& effect) {
+/// Its example with its symbol, its parameters (unit, plausible up to) and its cause.
+std::string registryPart(const PageExample& example) {
+  const Effect& effect = *example.effect;
   constexpr std::size_t kMost = 7;
-  std::string text = "Example: `" + effect.spec().yaml() + "`, " + inWords(effect.spec()) + "\n\n";
-  text += "| parameter | unit | plausible up to |\n|---|---|---|\n";
+  std::string text =
+      "`" + effect.spec().yaml() + "`" + (example.symbol.empty() ? "" : " (" + example.symbol + ")") + ": ";
   const auto& parameters = effect.parameters();
   for (std::size_t i = 0; i < std::min(kMost, parameters.size()); ++i)
-    text += "| " + parameters[i].name + " | " + parameters[i].unit + " | " +
-            format("%.4g", parameters[i].bound * parameters[i].toUnit) + " |\n";
-  if (parameters.size() > kMost) text += format("| … %zu in all | | |\n", parameters.size());
-  if (effect.nature().composite) text += "\nComposite: never a candidate of a diagnosis.\n";
-  return text + "\n- **Shown by**: " + effect.shownBy() + "\n- **Cause**: " + effect.cause() +
-         "\n- **Remedy**: " + effect.remedy() + "\n";
+    text += (i == 0 ? "" : ", ") + parameters[i].name + " (" + parameters[i].unit +
+            format(", %.4g)", parameters[i].bound * parameters[i].toUnit);
+  if (parameters.size() > kMost) text += format(" … %zu in all", parameters.size());
+  text += effect.nature().composite ? ". Never a candidate of a diagnosis.\n" : ".\n";
+  return text + "\n" + effect.cause() + "\n";
 }
 
 struct Section {
@@ -97,13 +103,13 @@ TEST(CataloguePage, saysWhatTheRegistrySays) {
   std::vector<Section> sections = sectionsOf(page);
   const bool write = std::getenv("MM_WRITE_DOCS") != nullptr;
   for (auto section = sections.rbegin(); section != sections.rend(); ++section) {
-    const EffectPtr effect = exampleOf(section->type);
-    ASSERT_NE(effect, nullptr) << section->type;
+    const PageExample example = exampleOf(section->type);
+    ASSERT_NE(example.effect, nullptr) << section->type;
     ASSERT_GT(section->begin, 0u) << section->type << " lacks its part from the registry";
     if (write)
-      page.replace(section->begin, section->size, registryPart(*effect));
+      page.replace(section->begin, section->size, registryPart(example));
     else
-      EXPECT_EQ(section->registry, registryPart(*effect))
+      EXPECT_EQ(section->registry, registryPart(example))
           << section->type << ": write the page anew with MM_WRITE_DOCS=1";
   }
   if (write) std::ofstream(kPage) << page;

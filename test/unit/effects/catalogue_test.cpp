@@ -4,6 +4,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "effects/effect_words.h"
 #include "effects_support.h"
 
 namespace mm {
@@ -56,12 +57,24 @@ TEST_P(Catalogue, statesItsParametersAndItsWords) {
       EXPECT_GE(p.bound, p.scale);
       EXPECT_GE(p.start, p.minimum);
       EXPECT_LE(p.start, p.maximum);
+      EXPECT_GT(meaningOf(effect->spec(), p.name).size(), 10U) << p.name << ": say in words.yaml what it is";
     }
     for (const std::string& words : {effect->cause(), effect->remedy(), effect->shownBy()}) {
       EXPECT_GT(words.size(), 20U);
       EXPECT_EQ(words.back(), '.') << words;
       EXPECT_EQ(words.find("  "), std::string::npos) << words;
     }
+  }
+}
+
+/// A rotary axis has no length: its words tell of angles, and of no standard of length.
+TEST_P(Catalogue, speaksOfAnglesOfARotaryAxis) {
+  for (const EffectPtr& effect : effects_) {
+    const int joint = domain().findJoint(effect->spec().text("axis"));
+    if (joint < 0 || domain().joints[static_cast<std::size_t>(joint)].kind != JointKind::kRotary) continue;
+    for (const std::string& words : {effect->cause(), effect->remedy(), effect->shownBy()})
+      for (const char* linear : {"ength", "interferometer", "step gauge", "screw", "nut", "slide"})
+        EXPECT_EQ(words.find(linear), std::string::npos) << effect->spec().yaml() << ": " << words;
   }
 }
 

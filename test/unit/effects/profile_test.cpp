@@ -94,7 +94,7 @@ TEST_F(ProfileEffect, refusesWhatItCannotUse) {
   expectRefused("{type: profile, direction: x, variables: bed}", {"'variables'", "[a, b]"});
   expectRefused("{type: profile, direction: x, variables: [bed]}", {"'variables'", "write variable: a"});
   expectRefused("{type: profile, direction: x, variables: [bed, bed]}", {"two different"});
-  expectRefused("{type: profile, direction: x, variables: [bed, q]}", {"'q'", "no recorded variable"});
+  expectRefused("{type: profile, direction: x, variables: [bed, q]}", {"'q'", "not a recorded variable"});
   expectRefused("{type: profile, direction: x, variable: y, variables: [bed, y]}", {"not both"});
   expectRefused("{type: profile, direction: w, variable: y}", {"'w'", "approach"});
   expectRefused("{type: profile, direction: x, variable: y, functions: 0}", {"'functions'", "1 and 32", "0"});

@@ -37,7 +37,7 @@ TEST_F(Spec, refusalsNameTheCulpritAndTheNearestName) {
   expect("{type: backlash, axis: [x, y]}", {"'axis'", "not a list"});
   expect("{type: rotary_zero, joint: z}", {"'z' is not a rotary joint", "b, a"});
   expect("{type: thermal_growth, direction: z, sensor: bedd}", {"'bedd'", "did you mean 'bed'", "frame"});
-  expect("{type: thermal_growth, direction: q, sensor: bed}", {"'q'", "there are: y, x, z, b, a"});
+  expect("{type: thermal_growth, direction: q, sensor: bed}", {"'q'", "available: y, x, z, b, a"});
   expect("{type: thermal_growth, direction: z, sensor: bed, lag: maybe}", {"'lag'", "true or false"});
   expect("{type: thermal_bending, axis: z, about: x, sensors: [bed, bed]}", {"two different sensors"});
   expect("{type: positioning_polynomial, axis: x, degree: 6}", {"'degree'", "2 and 5", "6"});

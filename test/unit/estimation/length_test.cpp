@@ -190,7 +190,7 @@ TEST_F(Lengths, RefusalsSayWhatToDo) {
   for (int i = 0; i < 16; ++i)
     plane += std::to_string(i) + "," + std::to_string(i % 4) + "," + std::to_string(i / 4) + ",0,T1,," +
              std::to_string(100 + i % 4) + "\n";
-  EXPECT_THAT(refusal(plane), HasSubstr("where 'T1' stands is not told by its 16 lengths"));
+  EXPECT_THAT(refusal(plane), HasSubstr("where 'T1' is cannot be determined from its 16 lengths"));
 }
 
 }  // namespace

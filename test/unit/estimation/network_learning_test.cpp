@@ -194,7 +194,7 @@ TEST(NetworkLearning, RefusesInOneClearLine) {
   EXPECT_NE(refusal(bare, network("dfnn")).find("no temperatures"), std::string::npos);
   EffectSpec other("thermal_network");
   other.set("axis", "y");
-  EXPECT_NE(refusal(session, other).find("nothing in the session tells of axis y"), std::string::npos)
+  EXPECT_NE(refusal(session, other).find("the session has no measurement of axis y"), std::string::npos)
       << refusal(session, other);
   Session lost = session;  // a sensor that answered only at the start
   lost.temperatures[1].value.assign(lost.temperatures[1].value.size(), kNotMeasured);

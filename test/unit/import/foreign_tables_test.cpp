@@ -186,8 +186,8 @@ TEST_F(ForeignTables, TargetMeasuredAndDeviationOfTheOnlyJointThatIsNamed) {
 TEST_F(ForeignTables, AFooterOfAveragesIsNoMeasurement) {
   const Imported i = import("14_quoted_footer.csv", "", false);
   expectTargets(i);
-  EXPECT_THAT(i.notes, ::testing::Contains(HasSubstr("line 14 is no row")));
-  EXPECT_THAT(i.notes, ::testing::Contains(HasSubstr("line 15 is no row")));
+  EXPECT_THAT(i.notes, ::testing::Contains(HasSubstr("line 14 is not a data row")));
+  EXPECT_THAT(i.notes, ::testing::Contains(HasSubstr("line 15 is not a data row")));
 }
 
 TEST_F(ForeignTables, ALineOfGroupsAboveTheNames) {
@@ -217,7 +217,7 @@ TEST_F(ForeignTables, MicroinchesAndTwelveHourClocks) {
 
 TEST_F(ForeignTables, AReportOfARowACoordinateIsRefusedInOneLine) {
   const std::string message = refusal("18_cmm_report.txt");
-  EXPECT_THAT(message, AllOf(HasSubstr("column 'Axis' holds X, Y, Z"), HasSubstr("a row a point")));
+  EXPECT_THAT(message, AllOf(HasSubstr("column 'Axis' holds X, Y, Z"), HasSubstr("one row per point")));
   EXPECT_EQ(message.find('\n'), std::string::npos);
 }
 

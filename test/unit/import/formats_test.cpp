@@ -114,7 +114,7 @@ TEST_F(Formats, BallBarByTimeAndItsRefusals) {
                                 "plane: xy\nradius_mm: 100\ncentre_mm: [0, 0]\n"),
               HasSubstr("'deviation' has no unit"));
   EXPECT_THAT(importer_.refusal(head + "time [s];radius [mm]\n0;20\n1;20\n", "centre_mm: [0, 0, 0]\n"),
-              HasSubstr("neither near the nominal"));
+              HasSubstr("neither close to the nominal"));
 }
 
 TEST_F(Formats, BallBarWithAHeadOfCommas) {
@@ -213,7 +213,7 @@ TEST_F(Formats, RTestRowsAreTouchesOfOneBall) {
   EXPECT_FALSE(i.session->artifact.features[0].known);
   // without the linear joints the nominal machine does not stay at the ball
   EXPECT_THAT(five.refusal("R-test\nB [deg];A [deg];dx [um];dy [um];dz [um]\n0;0;1;2;3\n90;0;1;2;3\n"),
-              HasSubstr("does not hold the tip at one place"));
+              HasSubstr("the tip does not stay at one position"));
   EXPECT_THAT(five.refusal("R-test\nB [deg];A [deg];dx [um];dy [um];dz [um]\n0;0;1;;3\n"),
               AllOf(HasSubstr("f.txt:3"), HasSubstr("'dy' is empty")));
 }
@@ -278,7 +278,7 @@ TEST_F(Formats, KlipperRepeatsAtOnePlace) {
 
 TEST_F(Formats, KlipperMeshNeedsAFlatBed) {
   EXPECT_THAT(refusal("klipper_bed_mesh_octoprint.log"),
-              AllOf(HasSubstr("9 places"), HasSubstr("surface: flat")));
+              AllOf(HasSubstr("9 points on the bed"), HasSubstr("surface: flat")));
   const Imported i = example("klipper_bed_mesh_octoprint.log", "surface: flat\n");
   const auto& o = i.session->observations;
   ASSERT_EQ(o.size(), 9u);
@@ -300,7 +300,7 @@ TEST_F(Formats, MarlinG30AndM48) {
   const Imported i = example("marlin_g30.txt");
   EXPECT_EQ(i.format, "marlin");
   ASSERT_EQ(i.session->observations.size(), 4u);
-  EXPECT_EQ(i.session->setups.size(), 2u) << "each place has an unknown height";
+  EXPECT_EQ(i.session->setups.size(), 2u) << "each point has its own unknown height";
   EXPECT_DOUBLE_EQ(i.session->observations[2].position[1], 20e-3);
   EXPECT_DOUBLE_EQ(i.session->observations[2].deviation[2], 0.015e-3);
   const Imported m48 = example("marlin_m48.txt");

@@ -168,7 +168,7 @@ TEST_F(Understanding, TheMappingsOwnFaults) {
               HasSubstr("'a: w_mm' is not understood"));
   EXPECT_THAT(importer_.refusal(csv, "separator: x\n"), HasSubstr("separator"));
   EXPECT_THAT(importer_.refusal(csv, "axis: w\n"),
-              AllOf(HasSubstr("mapping.yaml:1"), HasSubstr("'w' is no joint")));
+              AllOf(HasSubstr("mapping.yaml:1"), HasSubstr("'w' is not a joint of")));
 }
 
 TEST_F(Understanding, JointsThatStoodElsewhere) {
@@ -190,7 +190,7 @@ TEST_F(Understanding, FilesThatAreNoTables) {
   EXPECT_THAT(importer_.refusal("#ROSBAG V2.0\n"), HasSubstr("is a bag"));
   EXPECT_THAT(importer_.refusal(std::string("\0\1\0\0\0binary", 10)), HasSubstr("is binary"));
   EXPECT_THAT(importer_.refusal(""), HasSubstr("is empty"));
-  EXPECT_THAT(importer_.refusal("hello\nworld\n"), HasSubstr("no table is seen"));
+  EXPECT_THAT(importer_.refusal("hello\nworld\n"), HasSubstr("no table found"));
 }
 
 TEST_F(Understanding, FaultsBeyondTheLimitAreCounted) {
@@ -201,7 +201,7 @@ TEST_F(Understanding, FaultsBeyondTheLimitAreCounted) {
     FAIL() << "not refused";
   } catch (const InputFaults& e) {
     EXPECT_EQ(e.faults().size(), FaultList::kShown + 1);
-    EXPECT_THAT(e.faults().back(), HasSubstr("30 faults more"));
+    EXPECT_THAT(e.faults().back(), HasSubstr("30 more faults"));
   }
 }
 

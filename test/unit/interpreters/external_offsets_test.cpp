@@ -60,8 +60,8 @@ TEST(ExternalOffsets, GrowWithTheTemperatureAndAMissingOneIsTheReference) {
 
 TEST(ExternalOffsets, ADamagedFileIsRefusedInOneLine) {
   EXPECT_EQ(refusal(grid()), "");
-  EXPECT_THAT(refusal("{"), HasSubstr("offsets.json: is no file of external offsets"));
-  EXPECT_THAT(refusal("[]"), HasSubstr("is no file of external offsets"));
+  EXPECT_THAT(refusal("{"), HasSubstr("offsets.json: is not a file of external offsets"));
+  EXPECT_THAT(refusal("[]"), HasSubstr("is not a file of external offsets"));
   EXPECT_THAT(refusal(grid("0, 0, 0")), HasSubstr("'offset_mm' of x has 3 values, the grid 4 points"));
   EXPECT_THAT(refusal(grid("0, 0, 0, 7")), HasSubstr("'offset_mm' of x: 7 is not from -1 to 1"));
   EXPECT_THAT(refusal(grid("0, 0, 0, null")), HasSubstr("null"));

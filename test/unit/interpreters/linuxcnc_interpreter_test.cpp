@@ -86,7 +86,7 @@ TEST(LinuxcncInterpreter, WhatLinuxcncReportsIsRefused) {
       AllOf(HasSubstr("machine.ini:5"), HasSubstr("y.comp")));
   // sscanf finds no number in a remark, and the loop of usrmotLoadComp ends there
   EXPECT_THAT(refusal("linuxcnc", withCompFile(remark, "# x axis\n0 0 0\n")),
-              AllOf(HasSubstr("joint0.comp:1"), HasSubstr("reads no further")));
+              AllOf(HasSubstr("joint0.comp:1"), HasSubstr("stops reading there")));
 }
 
 TEST(LinuxcncInterpreter, JointsWithoutAxesAreRefused) {

@@ -74,7 +74,7 @@ TEST(SiemensInterpreter, VariablesOfWhichNoRuleIsKnownAreRefused) {
       {"$AN_CEC_IS_MODULO[0]=1", "1 is not read, only 0"},
       {"$SN_CEC_TABLE_WEIGHT[0]=0.5", "0.5 is not read, only 1"},
       {"$AN_CEC_MAX[0]=-250", "whole steps"},
-      {"$MA_BACKLASH[0,AX1]=0.02", "'AX1' is no axis"},
+      {"$MA_BACKLASH[0,AX1]=0.02", "'AX1' is not an axis"},
       {"$MA_BACKLASH[X1]=0.02", "has 2 indices in brackets, not 1"},
       {"$AN_CEC[62,0]=0.01", "62"},
       {"$AN_CEC[0,003]=0.01", "$AN_CEC[0,3]: lies beyond $AN_CEC_MAX[0]"}};
@@ -96,7 +96,7 @@ TEST(SiemensInterpreter, WhatTheControlWouldNotLoadIsRefused) {
   EXPECT_THAT(refusalOf("siemens", {{"cec.mpf", cecTable("$AN_CEC_STEP[0]=0\n")}}),
               AllOf(HasSubstr("_STEP"), HasSubstr("not above 0")));
   EXPECT_THAT(refusalOf("siemens", {{"cec.mpf", cecTable("$AN_CEC_INPUT_AXIS[0]=(Q1)\n")}}),
-              HasSubstr("'Q1' is no axis"));
+              HasSubstr("'Q1' is not an axis"));
   EXPECT_THAT(refusalOf("siemens", {{"cec.mpf", cecTable("$AN_CEC_DIRECTION[0]=2\n")}}),
               AllOf(HasSubstr("$AN_CEC_DIRECTION"), HasSubstr("2 is not within -1 to 1")));
 }

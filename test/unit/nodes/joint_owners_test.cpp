@@ -42,7 +42,7 @@ TEST_F(JointOwnersTest, OnlyTheDriverThatSaysSoIsBelieved) {
   EXPECT_TRUE(foreign.foreign);
   EXPECT_EQ(
       foreign.why,
-      "joint x is /axis_driver's, and joint states of /rostopic_1 are not believed; end one of the two");
+      "joint x belongs to /axis_driver, so joint states from /rostopic_1 are ignored; end one of the two");
   EXPECT_TRUE(state(stranger_, 1.1, {1}).foreign) << "of one joint";
   EXPECT_NE(status(comeUp("/play_1"), 1.2, true, 0.5), "") << "a second one that says so";
   ASSERT_NE(state(driver_, 1.2).status, nullptr);
@@ -50,7 +50,7 @@ TEST_F(JointOwnersTest, OnlyTheDriverThatSaysSoIsBelieved) {
   now_ += 60.0;
   const JointOwners::Verdict late = state(stranger_, 61.0);
   EXPECT_TRUE(late.foreign) << "no driver is replaced by what only sends";
-  EXPECT_NE(late.why.find("has gone"), std::string::npos) << late.why;
+  EXPECT_NE(late.why.find("has stopped"), std::string::npos) << late.why;
   EXPECT_EQ(status(comeUp("/play_1"), 61.0, true, 0.5), "") << "by another one, when it has gone";
 }
 
@@ -101,7 +101,7 @@ TEST_F(JointOwnersTest, WhatAStateSaysOfItsHomingCountsBeforeTheStatusHasCome) {
   EXPECT_TRUE(owners_.anyNotHomed());
   homed_ = true;  // homed again before any status has come
   const JointOwners::Verdict again = state(driver_, 0.2);
-  EXPECT_NE(again.why.find("has not come yet"), std::string::npos) << again.why;
+  EXPECT_NE(again.why.find("has not arrived yet"), std::string::npos) << again.why;
   EXPECT_EQ(status(driver_, 0.2, true, 0.2), "");
   const JointOwners::Verdict known = state(driver_, 0.3);
   EXPECT_EQ(known.why, "");
@@ -114,7 +114,7 @@ TEST_F(JointOwnersTest, ADriverThatCameUpAgainIsNotBelievedByTheStatusOfTheLifeB
   EXPECT_EQ(state(driver_, 0.0).why, "");
   const Node again = comeUp("/axis_driver");
   const JointOwners::Verdict first = state(again, 1.0);
-  EXPECT_NE(first.why.find("has not come yet"), std::string::npos) << first.why;
+  EXPECT_NE(first.why.find("has not arrived yet"), std::string::npos) << first.why;
   EXPECT_TRUE(first.forget);
   EXPECT_EQ(status(again, 1.0, true, 0.9), "");
   EXPECT_EQ(state(again, 1.1).why, "");

@@ -54,7 +54,8 @@ TEST(DiagnoseText, TellsEachMissingEffect) {
 
 TEST(DiagnoseText, RivalsWithTheirOddsAndWhatWouldTell) {
   const std::string text = textOf(confusable());
-  EXPECT_TRUE(has(text, "    or instead        speed lag, 1 to 2; to tell: touch x at two speeds\n")) << text;
+  EXPECT_TRUE(has(text, "    or instead        speed lag, 1 to 2; to separate them: touch x at two speeds\n"))
+      << text;
   EXPECT_TRUE(has(text, "zero of b; the same error expressed in another frame")) << text;
   EXPECT_TRUE(has(text, "backlash of y; cannot be excluded: the direction of travel of y was not")) << text;
   // the moves first, then what may be added without them
@@ -63,14 +64,15 @@ TEST(DiagnoseText, RivalsWithTheirOddsAndWhatWouldTell) {
   ASSERT_NE(moves, std::string::npos) << text;
   ASSERT_NE(add, std::string::npos) << text;
   EXPECT_LT(moves, add);
-  EXPECT_TRUE(has(text, "\nOr, without measuring, add the likeliest:\n  mm add")) << text;
+  EXPECT_TRUE(has(text, "\nOr, without measuring, add the most probable:\n  mm add")) << text;
   Diagnosis two = confusable();
   two.missing.push_back(play());
   two.missing[1].effect = backlash("z");
   const std::string both = textOf(two);
   EXPECT_TRUE(has(both,
-                  "\nMeanwhile add what is certain:\n  mm add plate.bag --calibration plate.yaml "
-                  "'{type: backlash, axis: z}'"))
+                  "\n"
+                  "Add the certain effect now:\n"
+                  "  mm add plate.bag --calibration plate.yaml '{type: backlash, axis: z}'"))
       << both;
 }
 
@@ -152,19 +154,18 @@ TEST(DiagnoseText, DriftArtifactAndInputs) {
   d.drift[1].perhaps = {{growth("y"), 0.3, 0.6}};
   d.drift[1].inWords = "measure the same place at other temperatures";
   d.artifactScatter = {{"centres", 0.5e-6, "measure the plate again"}};
-  d.missingInputs = {{"direction of travel of x", "from the approach at the touch", {}},
+  d.missingInputs = {{"direction of travel of x", "from the approach of the contact", {}},
                      {"speed of y", "", {EffectSpec("speed_lag"), backlash("y")}}};
   const std::string text = textOf(d);
   EXPECT_TRUE(has(text, "Drift\n    x                 0.4 um RMS, time constant 20 min\n")) << text;
   EXPECT_TRUE(has(text, "    to do             measure the same reference again every 5 min")) << text;
-  EXPECT_TRUE(
-      has(text,
-          "    perhaps           thermal growth along y with bed, odds 1 to 2; it would take over 60 % "
-          "of it\n"))
+  EXPECT_TRUE(has(
+      text,
+      "    perhaps           thermal growth along y with bed, odds 1 to 2; it would explain 60 % of it\n"))
       << text;
   EXPECT_TRUE(has(text, "    to do             measure the same place at other temperatures\n")) << text;
   EXPECT_TRUE(has(text, "    centres           0.5 um: measure the plate again\n")) << text;
-  EXPECT_TRUE(has(text, "  direction of travel of x: assumed from the approach at the touch\n")) << text;
+  EXPECT_TRUE(has(text, "  direction of travel of x: assumed from the approach of the contact\n")) << text;
   EXPECT_TRUE(has(text, "  speed of y: speed lag and backlash of y cannot be excluded without it\n")) << text;
   EXPECT_FALSE(has(text, "Type next")) << text;
 }
@@ -180,7 +181,7 @@ TEST(DiagnoseText, FiguresSayWhereTheNoiseIsFrom) {
   d.missing = {play()};
   d.tailDof = 4.0;
   const std::string text = textOf(d);
-  EXPECT_TRUE(has(text, "\n  held out with drift predicted 0.93 um; with what was found 0.32 um (")) << text;
+  EXPECT_TRUE(has(text, "; with what was found, held out 0.32 um\n  repeatability")) << text;
   EXPECT_TRUE(has(text, "  repeatability 0.1 um (declared), noise found")) << text;
   d.base.repeatabilityFrom = "repeated";
   EXPECT_TRUE(has(textOf(d), "  repeatability 0.1 um (from repeated measurements)")) << textOf(d);

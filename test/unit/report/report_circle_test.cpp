@@ -104,6 +104,46 @@ TEST(ReportCircle, PlayIsTheDifferenceOfBothWays) {
   EXPECT_NEAR(tests[0].measured.hysteresis, 4.0, 0.1);  // the gap, where x moves radially: near the x axis
 }
 
+/// The same ellipse by a ball bar, as it is imported: contacts with a ball of the nominal radius.
+Session ballBarSession(double lean) {
+  Session session(Machine::load("three_axis"));
+  session.source = "ball_bar.csv";
+  session.artifact.name = "ball_bar";
+  Feature centre{FeatureKind::kBall, "centre"};
+  centre.radius = 15e-3;
+  centre.position = {0.0, 10e-3, 0.0};
+  centre.known = false;
+  session.artifact.features.push_back(centre);
+  for (int i = 0; i < 72; ++i) {
+    const double angle = kPi / 36.0 * i, reading = 15e-3 - lean * 15e-3 * std::sin(angle) * std::cos(angle);
+    Observation o;
+    o.kind = ObservationKind::kContact;
+    o.feature = 0;
+    o.time = 0.5 * i;
+    o.row = i + 2;
+    o.position = {reading * std::cos(angle), 10e-3 + reading * std::sin(angle), 0.0};
+    session.observations.push_back(o);
+  }
+  session.prepare();
+  return session;
+}
+
+TEST(ReportCircle, AnImportedBallBarIsACircle) {
+  const Session session = ballBarSession(400e-6);
+  const auto tests = circleTests(fitOf(session));
+  ASSERT_EQ(tests.size(), 1u);
+  EXPECT_EQ(tests[0].first + tests[0].second, "xy");
+  EXPECT_NEAR(tests[0].radius, 15.0, 1e-3);
+  EXPECT_NEAR(tests[0].measured.counterClockwise.circular, 6.0, 0.05);
+  EXPECT_NEAR(tests[0].measured.counterClockwise.largest, 3.0, 0.05);
+  const auto left = circleTests(fitOf(session, {EffectSpec("cross_talk").set("axis", "x").set("of", "y")}));
+  ASSERT_EQ(left.size(), 1u);
+  EXPECT_NEAR(left[0].calibrated.counterClockwise.circular, 0.0, 0.05);
+  Session plate = session;  // a touched ball is no circle of ISO 230-4
+  plate.artifact.name = "plate";
+  EXPECT_TRUE(circleTests(fitOf(plate)).empty());
+}
+
 TEST(ReportCircle, PositionsOnALineAreNoCircle) {
   Session session = circleSession(400e-6, 0.0);
   for (Observation& o : session.observations) o.position[1] = 0.3 * o.position[0];

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "report/report_positioning.h"
+#include "report/report_profiles.h"
 #include "report/report_variables.h"
 #include "report/report_vectors.h"
 #include "report_sessions.h"
@@ -81,6 +82,44 @@ TEST(ReportVariables, EachVariableIsInTheUnitThatStandsAtItsAxis) {
   const VariableView& time = view(views, "time");
   EXPECT_EQ(time.unit, "s");
   EXPECT_NEAR(ends(time).second - ends(time).first, 195.0, 1e-9);
+}
+
+/// A beam along z tells of x by rounding alone: along x its residuals would be of any size.
+TEST(ReportVariables, ADirectionThatNoRowTellsOfIsNotDrawn) {
+  Directions directions;
+  directions.names = {"x", "z", "approach"};
+  directions.factors.resize(2, 3);
+  directions.factors << 1e-9, 1.0, -1.0, -2e-9, -0.9, 0.9;
+  dropUnmeasured(directions);
+  EXPECT_EQ(directions.names, (std::vector<std::string>{"z", "approach"}));
+  ASSERT_EQ(directions.factors.cols(), 2);
+  EXPECT_EQ(directions.factors(1, 0), -0.9);
+}
+
+/// A profile that the model has is drawn with what was measured: the curve, and what it leaves.
+TEST(ReportProfiles, TheCurveGoesThroughWhatWasMeasured) {
+  Session session = test::interferometerSession(0.0, 0.1e-6);
+  for (Observation& o : session.observations) o.deviation[0] += 3e-6 * std::sin(o.position[0] / 5e-3);
+  const EffectSpec profile = EffectSpec("profile").set("direction", "x").set("variable", "x");
+  EXPECT_TRUE(addedProfiles(fitOf(session)).empty());
+  const std::vector<AddedProfile> all = addedProfiles(fitOf(session, {profile}));
+  ASSERT_EQ(all.size(), 1u);
+  const AddedProfile& p = all[0];
+  EXPECT_EQ(p.direction, "x");
+  EXPECT_EQ(p.variableUnit, "mm");
+  EXPECT_FALSE(p.angular);
+  EXPECT_EQ(p.x.size(), session.observations.size());
+  EXPECT_GT(p.curve.size(), 20u);
+  double square = 0.0, measured = 0.0;
+  for (std::size_t i = 0; i < p.x.size(); ++i) {
+    const auto at = std::lower_bound(p.curve.begin(), p.curve.end(), p.x[i],
+                                     [](const AddedProfile::Point& c, double v) { return c.at < v; });
+    const double value = at == p.curve.end() ? p.curve.back().value : at->value;
+    square += std::pow(p.y[i] - value, 2);
+    measured += std::pow(p.y[i], 2);
+  }
+  EXPECT_LT(square, 0.1 * measured);  // the points lie at the curve, which is no straight line at zero
+  EXPECT_GT(measured, 1.0 * static_cast<double>(p.x.size()));
 }
 
 TEST(ReportVectors, StartAtTheTouchedPointAndRunAlongTheNormal) {

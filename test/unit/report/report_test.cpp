@@ -142,6 +142,32 @@ TEST(Report, EachStepCanBeTakenBack) {
   EXPECT_GT(back.calibration.ledger[1].rmsBefore, 5.0 * back.calibration.ledger[1].rmsAfter);
 }
 
+TEST(Report, SymbolsOfIso230StandBesideTheWords) {
+  const Session session = deviations("three_axis", "x", 4e-4, 6e-6, 2e-7);
+  ModelSpec model;
+  model.effects = {scale("x"), EffectSpec("probe_radius")};
+  const Recalibration first = recalibrate(session, model, leastSquares());
+  const Recalibration added = addEffect(session, first.calibration, backlash("x"), {});
+  const std::string text = calibrateText(added.result);
+  EXPECT_NE(text.find("\n  scale of x (EXX)\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("\n  effective radius of the probe tip\n"), std::string::npos) << text;
+  const std::string ledger = ledgerText(added.calibration, false);
+  EXPECT_NE(ledger.find("add {type: backlash, axis: x} (EXX) "), std::string::npos) << ledger;
+  const nlohmann::json json = nlohmann::json::parse(changeJson(added.result, added.calibration.ledger));
+  EXPECT_EQ(json["parameters"][0]["iso230"], "EXX");
+  EXPECT_EQ(json["parameters"][1].count("iso230"), 0u);
+  EXPECT_EQ(json["ledger"][0].count("iso230"), 0u);
+  EXPECT_EQ(json["ledger"][1]["iso230"], "EXX");
+  EXPECT_EQ(json["ledger"][1]["in_words"], "backlash of x");
+  Diagnosis diagnosis;
+  diagnosis.base = first.result;
+  diagnosis.missing.resize(1);
+  diagnosis.missing[0].effect = EffectSpec("squareness").set("axis", "x").set("of", "y");
+  EXPECT_EQ(nlohmann::json::parse(diagnoseJson(diagnosis))["missing"][0]["iso230"], "C0Y");
+  EXPECT_NE(diagnoseText(diagnosis, "s.bag", "c.yaml").find("\n  squareness of y to x (C0Y)\n"),
+            std::string::npos);
+}
+
 TEST(Report, SameEffectHoweverItIsWritten) {
   const Session session = deviations("three_axis", "x", 4e-4, 6e-6, 2e-7);
   ModelSpec model;
@@ -255,6 +281,41 @@ TEST(Text, UncertaintiesAreExpandedAndSaySo) {
       << text;
   ASSERT_NE(text.find(legend), std::string::npos) << text;
   EXPECT_EQ(text.find("k = 2", text.find(legend) + legend.size()), std::string::npos) << text;
+}
+
+/// Residuals that follow their neighbours may be drift or a cause that the model lacks: a calibration cannot
+/// tell.
+TEST(Text, ACalibrationAssertsNoDrift) {
+  const Session session = deviations("three_axis", "x", 50e-6, 3e-6, 0.1e-6);
+  ModelSpec model;
+  model.effects = {scale("x")};
+  CalibrationResult result = recalibrate(session, model, leastSquares()).result;
+  Drift drift;
+  drift.direction = "x";
+  drift.std = 0.5e-6;
+  drift.timeConstant = 3.0;
+  result.drift = {drift};
+  const std::string text = calibrateText(result);
+  EXPECT_NE(text.find("residuals of x follow their neighbours: 0.5 um RMS over 3 s, by drift or by an effect "
+                      "that the model lacks"),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(text.find("drifts"), std::string::npos) << text;
+}
+
+TEST(Text, AFitWithoutRedundancyHasNoRepeatability) {
+  Session session = deviations("three_axis", "x", 50e-6, 0.0, 0.1e-6);
+  session.observations.resize(2);
+  session.prepare();
+  ModelSpec model;
+  model.effects = {scale("x")};
+  const CalibrationResult result = recalibrate(session, model, leastSquares()).result;
+  EXPECT_EQ(result.figures.degreesOfFreedom, 0);
+  const std::vector<std::string> doubts = doubtsOf(result);
+  ASSERT_EQ(doubts.size(), 1u);
+  EXPECT_EQ(doubts[0].find("2 residuals and as many free parameters (degrees of freedom 0)"), 0u)
+      << doubts[0];
+  EXPECT_NE(calibrateText(result).find("Repeatability  not known: degrees of freedom 0"), std::string::npos);
 }
 
 TEST(Text, WhatAModelLeavesAndWhatToTypeNext) {

@@ -61,7 +61,7 @@ TEST(ContactOf, OnlyOfAProbingMoveAndWithALatchedPosition) {
   auto trip = latch({"x", "y", "z"}, 100.0, 3e-3);
   EXPECT_EQ(refusal(trip), "");
   trip.probing = false;
-  EXPECT_NE(refusal(trip).find("a collision?"), std::string::npos);
+  EXPECT_NE(refusal(trip).find("possibly a collision"), std::string::npos);
   trip.laser_reading = 0.0;
   EXPECT_EQ(refusal(trip), "") << "the reading of a laser needs no move";
   trip = latch({"x", "y", "z"}, 100.0, 3e-3);
@@ -122,7 +122,7 @@ class AJointThatNobodyLatched : public ::testing::Test {
   }
   void expectRefused(const std::string& words) {
     const std::string said = refusal();
-    EXPECT_NE(said.find("joint 'z' was not latched, and it cannot be said that it rested: " + words),
+    EXPECT_NE(said.find("joint 'z' was not latched, and it is not certain that it stood still: " + words),
               std::string::npos)
         << said;
   }
@@ -144,7 +144,7 @@ TEST_F(AJointThatNobodyLatched, IsWhereItsStatesSayIfItRests) {
 TEST_F(AJointThatNobodyLatched, IsWhereItsDriverSaysWhateverAnotherPublisherSays) {
   says(99.0, false);
   states(98.0, 100.2, 1e-3, "/stray");
-  expectRefused("no driver tells where it is");
+  expectRefused("no driver reports its position");
   states(98.0, 100.2);
   EXPECT_EQ(contactOf(first_, {}, resting_, machine_, {}).position.back(), 0.001);
 }
@@ -152,14 +152,14 @@ TEST_F(AJointThatNobodyLatched, IsWhereItsDriverSaysWhateverAnotherPublisherSays
 TEST_F(AJointThatNobodyLatched, IsRefusedInMotion) {
   says(99.0, true);
   states(98.0, 100.2, 1e-3);
-  expectRefused("its driver says that it moves");
+  expectRefused("its driver reports that it is moving");
 }
 
 TEST_F(AJointThatNobodyLatched, IsRefusedWhereItBeganToMoveAroundTheContact) {
   says(99.0, false);
   says(100.03, true);
   states(98.0, 100.2);
-  expectRefused("its driver says that it moves");
+  expectRefused("its driver reports that it is moving");
 }
 
 TEST_F(AJointThatNobodyLatched, IsRefusedWhereItsStatesShowMotionThatItsDriverDoesNot) {
@@ -170,7 +170,7 @@ TEST_F(AJointThatNobodyLatched, IsRefusedWhereItsStatesShowMotionThatItsDriverDo
 
 TEST_F(AJointThatNobodyLatched, IsRefusedWithoutStatesOnBothSidesOrWithoutAZero) {
   says(99.0, false);
-  expectRefused("no driver tells where it is");
+  expectRefused("no driver reports its position");
   states(98.0, 100.05);
   expectRefused("there is no joint state behind the contact");
   resting_.forget();
@@ -179,7 +179,7 @@ TEST_F(AJointThatNobodyLatched, IsRefusedWithoutStatesOnBothSidesOrWithoutAZero)
   expectRefused("there is no joint state before the contact");
   states(98.0, 100.2);  // the clock went back
   says(98.0, false, false);
-  expectRefused("its driver says that it is not homed");
+  expectRefused("its driver reports that it is not homed");
   says(99.0, false, true, "does not answer");
   expectRefused("its driver says: does not answer");
 }

@@ -178,7 +178,7 @@ TEST_F(BagSession, KeepsWhatTheControllerCompensated) {
 
   SessionCollector live("the live session");
   live.addCompensation(compensationJson(s.compensation));
-  EXPECT_NE(test::messageOf<InputError>([&] { live.addCompensation("none"); }).find("is no statement"),
+  EXPECT_NE(test::messageOf<InputError>([&] { live.addCompensation("none"); }).find("is not a statement"),
             std::string::npos);
 }
 
@@ -508,7 +508,7 @@ TEST_F(BagSession, RealFilesKeepEveryBit) {
 }
 
 TEST_F(BagSession, ADeviceIsNoBag) {
-  EXPECT_THAT(errorOf("/dev/zero"), HasSubstr("/dev/zero: is no file"));
+  EXPECT_THAT(errorOf("/dev/zero"), HasSubstr("/dev/zero: is not a regular file"));
   EXPECT_THAT(errorOf(folder_.write("long.bag", std::string(10000000, 'x'))), HasSubstr("is not a bag"));
 }
 

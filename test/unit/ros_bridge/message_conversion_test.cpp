@@ -73,7 +73,7 @@ TEST(MessageConversion, AReferenceIsAPositionOrDeviations) {
   EXPECT_EQ(o.deviation[0], 5e-6);
   EXPECT_TRUE(std::isnan(o.deviationStd[0]));
   r.position[1] = 0.1;
-  EXPECT_THAT(refusal(r), HasSubstr("at once"));
+  EXPECT_THAT(refusal(r), HasSubstr("more than one of"));
 }
 
 TEST(MessageConversion, ArtifactsAreCheckedFeatureByFeature) {

@@ -67,7 +67,7 @@ TEST(Measured, WhatIsMissingIsTold) {
   c.addMeasured(measured(at(0.0), 3));
   EXPECT_EQ(c.build().warning, "");
   c.addMeasured(measured(at(0.0), 5));
-  EXPECT_TRUE(says(c.build().warning, "3 of 5 contacts that were measured are here")) << c.build().warning;
+  EXPECT_TRUE(says(c.build().warning, "3 of 5 measured contacts were received")) << c.build().warning;
 }
 
 TEST(Measured, APlanThatWasOverIsNotMissed) {
@@ -84,7 +84,7 @@ TEST(Measured, APlanThatWentOnElsewhereCountsWithItsBeginning) {
   SessionCollector c = collector(3);
   c.addMeasured(measured(at(0.0), 4));
   c.addMeasured(measured(ros::Time(), 2));
-  EXPECT_TRUE(says(c.build().warning, "3 of 6 contacts")) << c.build().warning;
+  EXPECT_TRUE(says(c.build().warning, "3 of 6 measured contacts")) << c.build().warning;
 }
 
 TEST(Measured, AContactThatIsSetAsideIsHere) {
@@ -125,7 +125,7 @@ TEST(SessionBounds, WhatWasLoggedBeforeTheSessionGoesFirst) {
   EXPECT_EQ(session.warning, "");
   EXPECT_GE(session.temperatures[0].time.size(), 90u);
   for (int i = 90; i < 300; ++i) c.addTemperature("bed", bed(i));
-  EXPECT_TRUE(says(c.build().warning, "the oldest of the session, are no longer kept")) << c.build().warning;
+  EXPECT_TRUE(says(c.build().warning, "the oldest of the session, have been dropped")) << c.build().warning;
   EXPECT_LE(c.build().temperatures[0].time.size(), 100u);
 }
 

@@ -81,11 +81,11 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"duplicate ball",
             "name: a\nballs:\n  - {name: b, centre_mm: [0, 0, 0], radius_mm: 1}\n"
             "  - {name: b, centre_mm: [1, 0, 0], radius_mm: 1}\n",
-            "4:", "'b' is taken"},
+            "4:", "'b' is used by another ball or point"},
         Bad{"ball and point of one name",
             "name: a\nballs: [{name: b, centre_mm: [0, 0, 0], radius_mm: 1}]\npoints: [{name: b, "
             "position_mm: [0, 0, 0]}]\n",
-            "3:", "'b' is taken"},
+            "3:", "'b' is used by another ball or point"},
         Bad{"negative radius", "name: a\nballs:\n  - {name: b, centre_mm: [0, 0, 0], radius_mm: -4}\n",
             "3:", "'radius_mm' is -4, but must be above 0"},
         Bad{"missing radius", "name: a\nballs:\n  - {name: b, centre_mm: [0, 0, 0]}\n",
@@ -128,7 +128,7 @@ TEST(ArtifactFile, KnowsSeveralStyli) {
   EXPECT_THAT(refusal("{tip_radius_mm: 1, styli: [{name: A, tip_radius_mm: 1}]}"),
               HasSubstr("exclude each other"));
   EXPECT_THAT(refusal("{styli: [{name: A, tip_radius_mm: 1}, {name: A, tip_radius_mm: 1}]}"),
-              HasSubstr("'A' is taken by another stylus"));
+              HasSubstr("'A' is used by another stylus"));
   EXPECT_THAT(refusal("{styli: []}"), HasSubstr("must be a list of one or more styli"));
 }
 

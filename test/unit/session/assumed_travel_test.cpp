@@ -128,7 +128,7 @@ TEST_F(AssumedTravel, OfATouchIsIntoTheSurface) {
   EXPECT_GT(clear, 1700);
   EXPECT_EQ(wrong, 0);
   ASSERT_EQ(assumed.assumed.size(), 6u);
-  EXPECT_EQ(assumed.assumed[0].how, "from the approach at the touch");
+  EXPECT_EQ(assumed.assumed[0].how, "from the approach of the contact");
   EXPECT_GT(assumed.assumed[0].share, 0.85);
   EXPECT_NEAR(assumed.assumed[0].share + assumed.assumed[1].share, 1.0, 0.01);
 }

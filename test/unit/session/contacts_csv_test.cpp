@@ -177,7 +177,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"unknown feature", "time_s,x_mm,feature\n0,0,b2\n",
             ":2:", "'b2' is not in artifact 'plate'; did you mean"},
         Bad{"too few cells", "time_s,x_mm,feature\n0,0\n", ":2:", "2 cells, but the header names 3"},
-        Bad{"nothing measured", "time_s,x_mm,feature\n0,0,\n", ":2:", "nothing was measured"},
+        Bad{"nothing measured", "time_s,x_mm,feature\n0,0,\n", ":2:", "the row holds no measurement"},
         Bad{"two kinds at once", "time_s,feature,deviation_x_um\n0,b0,1\n", ":2:", "leave the others empty"},
         Bad{"weight of zero", "time_s,deviation_x_um,deviation_x_std_um\n0,1,0\n", ":2:", "must be above 0"},
         Bad{"open quote", "time_s,feature\n0,\"b0\n", ":2:", "a quote is not closed"},

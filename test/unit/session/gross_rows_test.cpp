@@ -87,10 +87,10 @@ TEST_F(GrossRows, ARowThatIsThereTwiceCountsOnce) {
   EXPECT_EQ(s.observations.size(), once.observations.size() + 1);
   const std::vector<std::string> lines = setAsideLines(s);
   ASSERT_EQ(lines.size(), 4u);
-  EXPECT_EQ(
-      lines[0],
-      "line 677 of c.csv is line 19 of c.csv once more, to the same time and the last digit; it counts once");
-  EXPECT_EQ(lines[3], "18 more rows are there twice, and count once");
+  EXPECT_EQ(lines[0],
+            "line 677 of c.csv is line 19 of c.csv once more, to the same time and the last digit; it is "
+            "used once");
+  EXPECT_EQ(lines[3], "18 more rows appear twice and are used once");
   Session prepared = s;
   prepared.prepare();
   EXPECT_EQ(sessionHash(prepared), sessionHash(s));

@@ -77,7 +77,7 @@ TEST(Joined, RefusesWhatDoesNotBelongTogether) {
   EXPECT_THAT(refusal(a, other), HasSubstr("artifact 'bar', not 'plate'"));
   other = b;
   other.artifact.features[2].position[0] += 3e-6;
-  EXPECT_THAT(refusal(a, other), HasSubstr("'b2' of artifact 'plate' is told 3 um away"));
+  EXPECT_THAT(refusal(a, other), HasSubstr("'b2' of artifact 'plate' is 3 um away from its position in"));
   other = b;
   other.artifact.tipRadius = 2e-3;
   EXPECT_THAT(refusal(a, other), HasSubstr("name the styli"));

@@ -125,7 +125,7 @@ TEST(Plan, WrittenOutItIsReadBackTheSame) {
 
 TEST(Plan, RefusalsNameLineAndKey) {
   expectRefusal(kBall + "touch: {pionts: 3}", "plan.yaml:2: touch: unknown key 'pionts'");
-  expectRefusal(kBall + "moves:\n  - {x_mm: 30}", "plan.yaml:3: a move: joint 'x' would go to 30");
+  expectRefusal(kBall + "moves:\n  - {x_mm: 30}", "plan.yaml:3: a move: joint 'x' would move to 30");
   expectRefusal(kBall + "moves: [{x_mm: 9, y_mm: 5, z_mm: 3, feature: b0, approach: [0, 0, -1]}]",
                 "passes 'b0'");
   expectRefusal(kBall + "moves: [{feature: b7}]", "'b7' is not in the artifact");

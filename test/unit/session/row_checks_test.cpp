@@ -128,7 +128,7 @@ TEST_F(RowChecks, ARunThatIsThereTwice) {
   const auto asked = questions(csv);
   ASSERT_EQ(asked.size(), 1u);
   EXPECT_THAT(asked[0], AllOf(HasSubstr("9 rows from line 11"), HasSubstr("line 2 of r.csv"),
-                              HasSubstr("there twice?")));
+                              HasSubstr("included twice?")));
 }
 
 TEST_F(RowChecks, RepeatedReadingsOfACoarseInstrumentAreNoQuestion) {

@@ -119,7 +119,7 @@ std::string messageOf(const std::string& words) {
 }
 
 TEST(Roughness, SaysWhichWordIsWrongAndWhatIsPossible) {
-  EXPECT_NE(messageOf("drift,drfit").find("--rough: 'drfit' is no way to be rough; possible are drift"),
+  EXPECT_NE(messageOf("drift,drfit").find("--rough: 'drfit' is not a disturbance; available: drift"),
             std::string::npos);
   EXPECT_NE(messageOf("drift=much").find("'much' of 'drift'"), std::string::npos);
   EXPECT_FALSE(messageOf("drift=-1").empty());

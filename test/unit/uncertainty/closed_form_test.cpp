@@ -246,11 +246,11 @@ TEST(Task, MalformedTasksAreRefusedInOneLine) {
       {"", "is not a task"},
       {"ball:0,0,0,-1", "not above zero"},
       {"ball:0,0,0,1,2", "needs 3 or 4"},
-      {"plane:0,0,0:0,0,0:5", "no direction"},
+      {"plane:0,0,0:0,0,0:5", "not a direction"},
       {"roundness:0,0,0:0,0,1", "needs 3"},
       {"straightness:0,0,0:1,0,0:1,0,0", "lies along the line"},
       {"iso10360-2:x", "needs 0"},
-      {"iso230-2:w", "is no linear axis"},
+      {"iso230-2:w", "is not a linear axis"},
       {"position:1e9,0,0", "'1e9'"}};
   for (const auto& [text, part] : cases) {
     try {

@@ -32,7 +32,7 @@ TEST(KeptAnswer, StandsWhetherOrNotItCouldBeKept) {
   EXPECT_EQ(store.verifications()[0].session, "fresh.bag");
   std::filesystem::remove(folder.path("store/verifications"));
   std::filesystem::create_directory(folder.path("store/verifications"));
-  EXPECT_NE(keepAnswer(store, calibration, session, found).find("is not kept with the calibration"),
+  EXPECT_NE(keepAnswer(store, calibration, session, found).find("is not stored with the calibration"),
             std::string::npos);
 }
 

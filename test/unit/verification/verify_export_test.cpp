@@ -35,7 +35,7 @@ TEST(VerifyExport, whatNoTableCarriesIsNoDrift) {
       EXPECT_NEAR(effect.notCarried, carried ? 0.0 : 1.0, 0.1) << effect.effect.yaml();
       // A machine that wanders does so by a share of an effect.
       if (!carried || (effect.std < 0.2 && rough.empty())) {
-        EXPECT_EQ(effect.inWords, carried ? "corrected" : "no table carries it") << effect.effect.yaml();
+        EXPECT_EQ(effect.inWords, carried ? "corrected" : "not in any table") << effect.effect.yaml();
       }
     }
     // Without the export nobody can know.
@@ -218,7 +218,7 @@ TEST(VerifyExport, takesWhatIsLoadedBeyondWhatWasActive) {
   const auto said = [&] {
     return messageOf<InputError>([&] { verify(fresh, second.calibration, options); });
   };
-  EXPECT_NE(said().find("against --loaded"), std::string::npos) << said();
+  EXPECT_NE(said().find("contradicts --loaded"), std::string::npos) << said();
   options.exported = std::make_shared<const LoadedExport>(both.folder(), second.calibration);
   EXPECT_NE(said().find("the folder of --export holds tables of siemens"), std::string::npos) << said();
   fresh.compensation = options.exported->statement();
@@ -249,7 +249,7 @@ TEST(VerifyExport, ofOtherFoldersIsRefused) {
             std::string::npos);
   std::filesystem::copy(exported.folder(), folder.path("out"));
   folder.write("out/external_offsets.json", "{\"format\": \"other\"}");
-  EXPECT_NE(refusal(controller.calibration, folder.path("out")).find("is no file of external offsets"),
+  EXPECT_NE(refusal(controller.calibration, folder.path("out")).find("is not a file of external offsets"),
             std::string::npos);
   folder.write("out/representability.json", "{");
   EXPECT_NE(refusal(controller.calibration, folder.path("out")).find("is not what mm export writes"),

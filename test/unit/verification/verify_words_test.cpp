@@ -14,7 +14,7 @@ std::vector<VerifyVerdict> toldBy(const std::string& text) {
   const auto says = [&](const char* words) { return text.find(words) != std::string::npos; };
   if (says("it helped") || says("it helps")) told.push_back(VerifyVerdict::kHelped);
   if (says("no change")) told.push_back(VerifyVerdict::kNoChange);
-  if (says("it got worse") || says("it gets worse") || says("twice as bad"))
+  if (says("it got worse") || says("makes it worse") || says("twice as bad"))
     told.push_back(VerifyVerdict::kWorse);
   if (told.empty()) told.push_back(VerifyVerdict::kMixed);
   return told;
@@ -63,12 +63,12 @@ TEST(VerifyWords, sayWhatTheVerdictSays) {
 
 TEST(VerifyWords, ofACorrectionThatPointsDoNotShow) {
   EXPECT_EQ(sentenceOf(found("too_small", false, false, 10.0)),
-            "it helps: 3.00 -> 1.00 um at 54 fresh points (k = 2: ±0.20, ±0.20); these points do not tell "
+            "it helps: 3.00 -> 1.00 um at 54 fresh points (k = 2: ±0.20, ±0.20); these points do not show "
             "which axis");
   for (const double improvement : {-10.0, 0.0, 10.0}) {
     const Verification v = found("too_small", true, false, improvement);
     EXPECT_EQ(v.verdict, VerifyVerdict::kNoChange);
-    EXPECT_NE(sentenceOf(v).find("these points cannot tell whether it is loaded"), std::string::npos);
+    EXPECT_NE(sentenceOf(v).find("these points cannot show whether it is loaded"), std::string::npos);
     EXPECT_NE(whyKept(v), "");  // nothing is rolled back that nobody has judged
   }
   EXPECT_EQ(found("too_small", false, false, -10.0).verdict, VerifyVerdict::kWorse);
@@ -80,7 +80,7 @@ TEST(VerifyWords, neverSayHelpedWithoutMoreThatIsLeft) {
   v.moreLeft = true;
   v.unforeseen = 1e-6;
   v.calibratedRms = 0.3e-6;
-  EXPECT_NE(sentenceOf(v).find("but 1 um are left, where the calibration left 0.3"), std::string::npos)
+  EXPECT_NE(sentenceOf(v).find("but 1 um remain, while the calibration left 0.3"), std::string::npos)
       << sentenceOf(v);
 }
 

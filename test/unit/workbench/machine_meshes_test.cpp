@@ -63,7 +63,7 @@ TEST_F(MachineMeshes, APackagesFileIsFoundAndNothingOutsideIt) {
   EXPECT_NE(refusal("package://p").find("names no file"), std::string::npos);
   EXPECT_NE(refusal("package:///meshes/one.stl").find("names no file"), std::string::npos);
   EXPECT_NE(refusal("package://p/meshes/none.stl"), "");
-  EXPECT_NE(refusal("package://p/meshes").find("no mesh that is drawn"), std::string::npos);
+  EXPECT_NE(refusal("package://p/meshes").find("not a supported mesh"), std::string::npos);
   EXPECT_NE(test::messageOf<InputError>([&] { meshFile("package://p/a.stl", UrdfOrigin::kSent, {}); }), "");
 }
 
@@ -71,14 +71,14 @@ TEST_F(MachineMeshes, APathIsOpenedForThisComputersUrdfAlone) {
   const std::string file = folder_.path("p/meshes/one.stl");
   for (const std::string& name : {file, "file://" + file}) {
     EXPECT_EQ(meshFile(name, UrdfOrigin::kThisComputer, packages()), std::filesystem::canonical(file));
-    EXPECT_NE(refusal(name, UrdfOrigin::kSent).find("was sent"), std::string::npos);
+    EXPECT_NE(refusal(name, UrdfOrigin::kSent).find("uploaded"), std::string::npos);
   }
-  EXPECT_NE(refusal("/etc/passwd").find("no mesh that is drawn"), std::string::npos);
+  EXPECT_NE(refusal("/etc/passwd").find("not a supported mesh"), std::string::npos);
   EXPECT_NE(refusal("meshes/one.stl").find("neither"), std::string::npos);
   EXPECT_NE(refusal("http://elsewhere/one.stl").find("neither"), std::string::npos);
   EXPECT_NE(refusal(""), "");
   ASSERT_EQ(::mkfifo(folder_.path("pipe.stl").c_str(), 0600), 0);  // would never be read to its end
-  EXPECT_NE(refusal(folder_.path("pipe.stl")).find("is no file"), std::string::npos);
+  EXPECT_NE(refusal(folder_.path("pipe.stl")).find("is not a file"), std::string::npos);
 }
 
 TEST_F(MachineMeshes, TrianglesOfEveryFormatAreRead) {

@@ -78,7 +78,7 @@ TEST(PlanDocument, WhatThePlansReaderRefusesIsRefusedInItsWords) {
     return test::messageOf<InputError>([&] { planDocument(yaml, machine()); });
   };
   EXPECT_NE(refusal(""), "");
-  EXPECT_NE(refusal("config/demo_plan.yaml").find("its path is not opened"), std::string::npos);
+  EXPECT_NE(refusal("config/demo_plan.yaml").find("paths are not opened"), std::string::npos);
   EXPECT_NE(refusal("artifact: /etc/passwd\ntouch: {points: 3}").find("a file"), std::string::npos);
   std::string beyond = readWholeFile("config/demo_plan.yaml", "");
   beyond.insert(beyond.find("touch:"), "moves:\n  - {x_mm: 900}\n");
