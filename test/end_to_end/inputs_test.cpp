@@ -83,8 +83,8 @@ TEST_F(Inputs, ASimulatedPlateWithoutVelocitiesShowsItsPlay) {
   EXPECT_EQ(answer.json()["assumed"], set["assumed"]);
   EXPECT_LT(answer.json()["chi2_per_dof"].get<double>(), 1.3);
   EXPECT_THAT(calibrate("{type: backlash, axis: x}", "s.bag", "").out,
-              HasSubstr("assumed, as no velocity was recorded: direction of travel\n  from the approach at "
-                        "the touch (x in "));
+              HasSubstr("assumed, as no velocity was recorded: direction of travel\n  from the approach of "
+                        "the contact (x in "));
 }
 
 TEST_F(Inputs, AnImportedPlateWithoutVelocitiesShowsItsPlay) {

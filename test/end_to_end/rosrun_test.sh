@@ -25,7 +25,7 @@ check 'rosrun finds mm' [ "$(in_package --version)" = "$version" ]
 in_package check nowhere.bag 2>"$work/error"
 check 'its exit status is kept' [ $? -eq 2 ]
 check 'its words are kept' grep -q 'nowhere.bag' "$work/error"
-check 'what stands between quotes stays one word' grep -q "no effect of the catalogue" <(in_package effects 'a b' 2>&1)
+check 'what stands between quotes stays one word' grep -q "'a b' is not an effect" <(in_package effects 'a b' 2>&1)
 
 # README's line: the devel space's setup.bash says where the package is.
 devel="$(cd "$(dirname "$mm")/../.." && pwd)"
