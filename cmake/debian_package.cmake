@@ -15,7 +15,7 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)  # the libraries, from the programs themselves
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "ros-message-runtime, ros-actionlib-msgs, ros-geometry-msgs, ros-sensor-msgs, ros-std-msgs, ros-std-srvs")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS
-    "snakemake, weasyprint, rosbash, python3-roslaunch, python3-rosservice, python3-std-srvs, python3-sensor-msgs, python3-geometry-msgs, python3-rostopic, python3-rosnode, ros-robot-state-publisher, rviz")
+    "snakemake, weasyprint, xmlsec1, rosbash, python3-roslaunch, python3-rosservice, python3-std-srvs, python3-sensor-msgs, python3-geometry-msgs, python3-rostopic, python3-rosnode, ros-robot-state-publisher, rviz")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS linuxcnc-uspace)  # the module that linuxcnc_helper needs
 set(CPACK_DEBIAN_PACKAGE_CONFLICTS multimail)  # has an mm of its own
 include(CPack)

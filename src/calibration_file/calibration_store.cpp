@@ -27,6 +27,7 @@ constexpr const char* kActive = "active";
 constexpr const char* kCandidate = "candidate";
 constexpr const char* kPromotions = "promotions";
 constexpr const char* kVerifications = "verifications";
+constexpr const char* kCertificates = "certificates";
 constexpr const char* kSuffix = ".yaml";
 
 /// Lets one writer at a time into a folder; released with the process at the latest.
@@ -175,6 +176,33 @@ void CalibrationStore::note(Verified v) const {
                                        v.verdict.c_str(), v.before / unit, v.after / unit, v.beforeStd / unit,
                                        v.afterStd / unit, v.angular ? "arcsec" : "um", v.points) +
                                 v.session + "\n");
+}
+
+int CalibrationStore::noteIssue(Issue issue) const {
+  if (!keeps(issue.id))
+    throw InputError("no calibration '" + issue.id + "' in " + folder_.string() +
+                     "; mm history lists the stored ones");
+  const FolderLock lock(folder_);
+  removeLeftovers(folder_);
+  for (const Issue& earlier : issues())
+    if (earlier.id == issue.id) issue.count = std::max(issue.count, earlier.count + 1);
+  issue.count = std::max(issue.count, 1);
+  const fs::path file = folder_ / kCertificates;
+  writeFileAtomically(file, (fs::exists(file) ? readFile(file) : std::string()) + issue.stamp + " " +
+                                issue.id + " " + issue.form + " " + std::to_string(issue.count) + "\n");
+  return issue.count;
+}
+
+std::vector<CalibrationStore::Issue> CalibrationStore::issues() const {
+  std::vector<Issue> all;
+  if (!fs::exists(folder_ / kCertificates)) return all;
+  std::istringstream lines(readFile(folder_ / kCertificates));
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    Issue issue;
+    if (words >> issue.stamp >> issue.id >> issue.form >> issue.count) all.push_back(issue);
+  }
+  return all;
 }
 
 std::vector<CalibrationStore::Verified> CalibrationStore::verifications() const {

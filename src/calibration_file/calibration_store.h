@@ -51,6 +51,12 @@ class CalibrationStore {
     std::string session;  // where the points came from
   };
 
+  /// One line of `certificates`: an issue of a certificate of a calibration that is kept.
+  struct Issue {
+    std::string stamp, id, form;  // when, as its number has it; of the calibration; "paper" or "digital"
+    int count = 0;                // among the issues of this calibration, from 1
+  };
+
   /// @param folder made when something is first written. A folder that does not exist is an empty store.
   explicit CalibrationStore(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
@@ -102,6 +108,12 @@ class CalibrationStore {
   void note(Verified verified) const;
   /// What was noted, oldest first; lines that cannot be read are left out.
   std::vector<Verified> verifications() const;
+
+  /// Adds to the list of certificates. @param issue its count is the least that it may get. @return the count
+  /// that no other issue of the calibration has. @throw InputError as note.
+  int noteIssue(Issue issue) const;
+  /// Oldest first; lines that cannot be read are left out.
+  std::vector<Issue> issues() const;
 
  private:
   std::filesystem::path fileOf(const std::string& id) const;

@@ -48,6 +48,8 @@ std::optional<StoreRecord> storeRecord(const CalibrationStore& store, const Cali
   return record;
 }
 
+const std::string& numberOf(const Certificate& c) { return c.number.empty() ? c.calibration.id : c.number; }
+
 std::vector<CorrectionCurve> correctionCurves(const Calibration& calibration) {
   std::vector<CorrectionCurve> curves;
   const Compensator compensator(calibration);

@@ -14,14 +14,16 @@ namespace mm {
 
 /// What no file knows: said by whoever issues the certificate. Empty: not stated.
 struct CertificateFacts {
-  std::string serial, operatorName, customer, place, traceability, remark;
+  std::string serial, operatorName, laboratory, customer, place, traceability, remark;
   std::string issued;  // ISO 8601, UTC; empty: now
 };
 
-/// A task that the certificate states, with its decisions.
+/// A task that the certificate states, with its decisions. Its figures are predicted: nobody measured them.
 struct CertifiedTask {
   TaskUncertainty result;
-  std::vector<TaskVerdict> verdicts;
+  std::vector<TaskVerdict> verdicts;  // empty where conformity cannot be decided
+  bool asked = false;                 // for conformity
+  bool measured = false;              // the verdict is on a value that was measured
 };
 
 /// How far the calibrated machine is off its scale along one axis, the others in the middle of their ranges.
@@ -62,7 +64,13 @@ std::optional<StoreRecord> storeRecord(const CalibrationStore& store, const Cali
 /// Everything that stands on a certificate.
 struct Certificate {
   Calibration calibration;
-  std::string serial;  // of the facts, else of the URDF
+  std::string number;    // of this issue; empty: that of the calibration
+  std::string replaces;  // number of the issue that it replaces; empty: none is known
+  std::vector<std::string>
+      notStated;           // why conformity cannot be decided (uncertaintyNotStated); empty: it can
+  double scaleStd = 0.0;   // of the reference, 1; as stated for the tasks; 0: not stated
+  double radiusStd = 0.0;  // m, of the ball on which the tip was qualified; likewise
+  std::string serial;      // of the facts, else of the URDF
   CertificateFacts facts;
   std::vector<CertifiedTask> tasks;
   std::vector<CorrectionCurve> curves;
@@ -74,6 +82,9 @@ struct Certificate {
 /// Curves of the correction over each axis that was calibrated over a range; none where an input is not
 /// known.
 std::vector<CorrectionCurve> correctionCurves(const Calibration& calibration);
+
+/// Its number, as it is printed.
+const std::string& numberOf(const Certificate& certificate);
 
 /// The page: one HTML file without script or links, laid out for A4. Names from users' files are data, never
 /// markup.

@@ -8,10 +8,13 @@
 #include "base/units.h"
 #include "base/utc_now.h"
 #include "effects/effect_words.h"
+#include "export/compensation_statement.h"
 #include "report/certificate.h"
+#include "report/certificate_figures.h"
 #include "report/certificate_plots.h"
 #include "report/certificate_seal.h"
 #include "report/report_page.h"
+#include "report/symbols_of.h"
 #include "report/text_parts.h"
 #include "report/uncertainty_output.h"
 
@@ -43,7 +46,7 @@ thead th { border-bottom: .3mm solid #6b7683; }
 table.facts th { width: 46mm; color: #444c56; }
 tr.own td.which { font-weight: 600; } .when { white-space: nowrap; } th.which, td.which { min-width: 32mm; }
 td.n, th.n { text-align: right; white-space: nowrap; padding-left: 3mm; }
-tr, figure, .task, .together { break-inside: avoid; }
+tr, figure, .together { break-inside: avoid; }
 thead { display: table-header-group; }
 figure { margin: 3mm 0; }
 figcaption { font-size: 9pt; color: #444c56; }
@@ -53,7 +56,9 @@ svg { width: 100%; max-width: 150mm; height: auto; display: block; }
 td.share { width: 52mm; white-space: nowrap; }
 .verdict { border-left: 1.2mm solid #6b7683; padding: 1mm 0 1mm 3mm; margin: 2mm 0; }
 .conforms { border-color: #2d7d46; } .fails { border-color: #b3261e; } .open { border-color: #b07d00; }
-.task { margin-bottom: 5mm; } .task h3 { font-size: 10.5pt; margin: 4mm 0 1mm; }
+.task { margin-bottom: 5mm; } h3 { font-size: 10.5pt; margin: 4mm 0 1mm; break-after: avoid; }
+.wide { margin-bottom: 4mm; } .wide th { white-space: nowrap; }
+.tests td, .tests th { font-size: 8.5pt; padding: .5mm 2mm .5mm 0; white-space: nowrap; }
 p { margin: 1.5mm 0; } .small { font-size: 9pt; color: #444c56; }
 .sign { display: flex; margin-top: 14mm; break-inside: avoid; } .sign div + div { margin-left: 12mm; } .sign div { flex: 1; border-top: .3mm solid #444c56; padding-top: 1mm; font-size: 9pt; }
 @media print { body { background: #fff; } main { margin: 0; padding: 0; max-width: none; box-shadow: none; } * { print-color-adjust: exact; -webkit-print-color-adjust: exact; } }
@@ -84,15 +89,19 @@ std::string rangeText(double lower, double upper, const char* unit) {
 
 std::string itemSection(const Certificate& c) {
   const Calibration& k = c.calibration;
-  std::string html =
-      "<table class=\"facts\">" + factRow("Machine", k.machineName) + factRow("Serial number", c.serial);
+  std::string html = "<table class=\"facts\">" + factRow("Machine", k.machineName) +
+                     factRow("Serial number", c.serial) + factRow("Laboratory", c.facts.laboratory);
   if (!c.facts.customer.empty()) html += factRow("Customer", c.facts.customer);
   if (!c.facts.place.empty()) html += factRow("Place", c.facts.place);
   html += factRow("Operator", c.facts.operatorName) + factRow("Date of calibration", k.created) +
           factRow("Date of issue", c.facts.issued.empty() ? utcNow() : c.facts.issued) +
+          factRow("Replaces",
+                  c.replaces.empty() ? "no earlier issue is known" : "certificate No. " + c.replaces) +
+          factRow("Calibration", k.id) +
           factRow("Measured as", k.sessionSource + " (" + std::to_string(k.observations) +
                                      " observations, hash " + k.sessionHash + ")") +
-          factRow("Method", "parameters of " + std::to_string(k.effects.size()) + " effects by " + k.method +
+          factRow("Method", "parameters of " + std::to_string(k.effects.size()) +
+                                (k.effects.size() == 1 ? " effect by " : " effects by ") + k.method +
                                 ", measuring_machine " + k.software);
   if (!c.facts.remark.empty()) html += factRow("Remark", c.facts.remark);
   return html + "</table>\n";
@@ -105,7 +114,7 @@ std::string referenceSection(const Certificate& c) {
                                                 : std::string("independent instrument"));
     const auto stated = [](double std) {
       return std > 0.0 ? format("U = %.2g um (k = 2), in the results", 2.0 * std / kMicrometre)
-                       : std::string("taken as exact: not in the results");
+                       : std::string("taken as exact, not included in the results");
     };
     if (a->features > 0) {
       if (a->span > 0.0) html += factRow("Largest distance", format("%.5g mm", a->span / kMillimetre));
@@ -114,8 +123,15 @@ std::string referenceSection(const Certificate& c) {
       html += factRow("Pose", a->poseKnown ? "known in the machine" : "found with the parameters");
     }
   } else {
-    html += factRow("Artifact", "the calibration's file does not tell");
+    html += factRow("Artifact", "not recorded in the calibration file");
   }
+  if (c.scaleStd > 0.0)
+    html += factRow("Uncertainty of the scale",
+                    format("U = %.2g um/m (k = 2), stated for the predicted results", 2e6 * c.scaleStd));
+  if (c.radiusStd > 0.0)
+    html += factRow(
+        "Uncertainty of the reference ball's radius",
+        format("U = %.2g um (k = 2), stated for the predicted results", 2.0 * c.radiusStd / kMicrometre));
   return html + factRow("Traceability", c.facts.traceability) + "</table>\n";
 }
 
@@ -141,26 +157,39 @@ std::string environmentSection(const Calibration& c) {
                                                          rotary ? "arcsec" : "µm", w.timeConstant / 60.0));
   }
   return html +
-         "</table>\n<p class=\"small\">The results hold within these ranges; what the machine does after the "
-         "calibration is not covered.</p>\n";
+         "</table>\n"
+         "<p class=\"small\">The results are valid within these ranges; changes of the machine after the "
+         "calibration are not covered.</p>\n";
 }
 
-std::string parameterSection(const Calibration& c) {
-  if (c.values.empty()) return {};
-  std::string html =
-      sectionHead("Results: parameters of the machine") +
-      "<div class=\"wide\"><table><thead><tr><th>Effect</th><th>Parameter</th><th class=\"n\">Value</th>"
-      "<th class=\"n\">U (k = 2)</th><th>Unit</th></tr></thead><tbody>\n";
-  for (const Calibration::Value& v : c.values) {
-    const double value = v.value * v.toUnit, expanded = 2.0 * v.std * std::abs(v.toUnit);
-    const int digits = expanded > 0.0 && std::isfinite(expanded)
-                           ? std::clamp(1 - static_cast<int>(std::floor(std::log10(expanded))), 0, 9)
-                           : 3;
-    html += "<tr><td>" + shown(inWords(c.effects[static_cast<std::size_t>(v.effect)])) + "</td><td>" +
-            shown(v.name) + "</td><td class=\"n\">" + format("%.*f", digits, value) +
-            "</td><td class=\"n\">" + (v.fixed ? std::string("held") : format("%.*f", digits, expanded)) +
-            "</td><td>" + (v.unit == "um" ? std::string("µm") : shown(v.unit)) + "</td></tr>\n";
+std::string unitShown(const std::string& unit) { return unit == "um" ? std::string("µm") : shown(unit); }
+
+/// U as it is printed beside a value: of a length in mm in µm, with the same digits.
+std::string expandedShown(const StatedFigure& f) {
+  if (f.held) return "held";
+  if (f.expanded.empty()) return "–";
+  if (f.unit != "mm") return f.expanded;
+  const std::size_t point = f.expanded.find('.');
+  const int decimals = point == std::string::npos ? 0 : static_cast<int>(f.expanded.size() - point) - 1;
+  return format("%.*f µm", std::max(0, decimals - 3), std::stod(f.expanded) * kMillimetre / kMicrometre);
+}
+
+/// Figures of one origin, which stands above them.
+std::string figureTable(const StatedGroup& group) {
+  bool uncertain = false, grouped = false;
+  for (const StatedFigure& f : group.figures) {
+    uncertain = uncertain || f.held || !f.expanded.empty();
+    grouped = grouped || !f.of.empty();
   }
+  std::string html =
+      std::string("<div class=\"wide\"><table><thead><tr>") + (grouped ? "<th>Effect</th>" : "") + "<th>" +
+      (grouped ? "Parameter" : "Quantity") + "</th><th class=\"n\">Value, " + nameOf(group.origin) + "</th>" +
+      (uncertain ? "<th class=\"n\">U (k = 2)</th>" : "") + "<th>Unit</th></tr></thead><tbody>\n";
+  for (const StatedFigure& f : group.figures)
+    html += "<tr>" + (grouped ? "<td>" + shown(f.of) + "</td>" : std::string()) + "<td>" + shown(f.name) +
+            "</td><td class=\"n\">" + f.value + "</td>" +
+            (uncertain ? "<td class=\"n\">" + expandedShown(f) + "</td>" : std::string()) + "<td>" +
+            unitShown(f.unit) + "</td></tr>\n";
   return html + "</tbody></table></div>\n";
 }
 
@@ -187,72 +216,72 @@ std::string budgetTable(const QuantityUncertainty& q) {
   return html + "</tbody></table>\n";
 }
 
-std::string figureText(const QuantityUncertainty& q) {
-  return "<b>" + nicely(figureOf(q)) + "</b>, U = <b>" + twoDigits(2.0 * q.std / kMicrometre) +
-         " µm</b> (k = 2)";
+/// The lengths of a test, in two columns, and their plot.
+std::string lengthSection(const LengthTable& table) {
+  const std::size_t half = (table.rows.size() + 1) / 2;
+  std::string html =
+      "<p>Error E of each length, predicted, in µm:</p>\n<div class=\"wide tests\"><table><thead><tr>";
+  for (int column = 0; column < 2; ++column)
+    html += "<th>Length</th><th class=\"n\">E</th><th class=\"n\">U (k = 2)</th><th class=\"n\">|E| + U</th>";
+  html += "</tr></thead><tbody>\n";
+  const auto cells = [&](std::size_t row) {
+    if (row >= table.rows.size()) return std::string("<td></td><td></td><td></td><td></td>");
+    const LengthRow& r = table.rows[row];
+    const std::string mark = row == table.largest ? "b" : "span";
+    return "<td>" + escapedHtml(r.error.name) + "</td><td class=\"n\">" + r.error.value +
+           "</td><td class=\"n\">" + r.error.expanded + "</td><td class=\"n\"><" + mark + ">" + r.sumText +
+           "</" + mark + "></td>";
+  };
+  for (std::size_t row = 0; row < half; ++row) html += "<tr>" + cells(row) + cells(row + half) + "</tr>\n";
+  const LengthRow& largest = table.rows[table.largest];
+  return html + "</tbody></table></div>\n<figure>" + lengthsPlot(table) +
+         "<figcaption>Largest |E| + U of a length: " + largest.sumText + " µm (" +
+         escapedHtml(largest.error.name) + "). Each length, for itself, keeps |E| + U within " +
+         shown(table.least.inWords()) +
+         " (L in mm). The largest |E| of a whole test is the largest of all its measurements; it is expected "
+         "above "
+         "the |E| of any one of them.</figcaption></figure>\n";
 }
 
-std::string taskSection(const CertifiedTask& task) {
-  const TaskUncertainty& r = task.result;
-  const QuantityUncertainty& headline = r.quantities[r.headline];
-  std::string html = "<div class=\"task\"><h3>" + shown(r.task) + "</h3>\n<p class=\"result\">" +
-                     shown(headline.quantity.name) + ": " + figureText(headline) + "</p>\n";
-  const std::vector<TestLength> lengths = testLengthsOf(r);
-  if (lengths.size() > 1) {
-    html += "<p class=\"result\">Each of the " + std::to_string(lengths.size()) +
-            " lengths, for itself, keeps |E| + U within <b>" + shown(permissibleFor(lengths).inWords()) +
-            "</b> (L in mm)" +
-            (probingOf(r) ? "; probing form: " + figureText(*probingOf(r)) : std::string()) +
-            "</p>\n<figure>" + lengthsPlot(r) + "</figure>\n";
-  } else if (r.quantities.size() > 1) {
-    html += "<p>";
-    for (std::size_t q = 0; q < r.quantities.size(); ++q)
-      if (q != r.headline)
-        html += shown(r.quantities[q].quantity.name) + ": " + figureText(r.quantities[q]) + "<br>";
-    html += "</p>\n";
+/// The statement of conformity, or why there is none.
+std::string conformitySection(const Certificate& c, const CertifiedTask& task) {
+  std::string html;
+  if (task.asked && task.verdicts.empty()) {
+    html = "<p class=\"verdict open\">No statement of conformity: " + shown(joined(c.notStated, "; ")) +
+           ".</p>\n";
   }
-  html += budgetTable(headline);
-  for (const std::string& why : r.outside)
-    html += "<p class=\"verdict fails\">The calibration does not hold " + shown(why) + ".</p>\n";
   for (const TaskVerdict& v : task.verdicts)
     html += std::string("<p class=\"verdict ") +
             (v.conformity == Conformity::kConforms    ? "conforms"
              : v.conformity == Conformity::kUndecided ? "open"
                                                       : "fails") +
-            "\">" + shown(v.inWords) + ".</p>\n";
-  return html + format("<p class=\"small\">%zu trials, seed %llu%s</p></div>\n", r.trials,
-                       static_cast<unsigned long long>(r.seed),
-                       r.stable ? "" : "; not stable in its last digit");
+            "\">" + (task.measured ? "Of a measured value: " : "Predicted, no test was made: ") +
+            shown(v.inWords) + ".</p>\n";
+  return html;
 }
 
-std::string sessionSection(const CertifiedSession& s) {
-  const double unit = s.angular ? kArcsecond : kMicrometre;
-  const char* name = s.angular ? "arcsec" : "µm";
-  std::string html = sectionHead("Held against a session") + "<p>" + shown(s.path) + ": " +
+std::string taskSection(const Certificate& c, const CertifiedTask& task) {
+  const TaskUncertainty& r = task.result;
+  const QuantityUncertainty& headline = r.quantities[r.headline];
+  std::string html = "<div class=\"task\"><h3>" + shown(r.task) + "</h3>\n" + figureTable(taskFigures(task));
+  if (const LengthTable lengths = lengthTable(r); !lengths.rows.empty()) html += lengthSection(lengths);
+  html += "<p>Uncertainty budget of the first figure:</p>\n" + budgetTable(headline);
+  for (const std::string& why : r.outside)
+    html += "<p class=\"verdict fails\">The calibration does not hold " + shown(why) + ".</p>\n";
+  return html + conformitySection(c, task) +
+         format("<p class=\"small\">%zu trials, seed %llu%s</p></div>\n", r.trials,
+                static_cast<unsigned long long>(r.seed), r.stable ? "" : "; last digit not stable");
+}
+
+std::string sessionSection(const CertifiedSession& s, const std::vector<StatedGroup>& groups) {
+  std::string html = sectionHead("Comparison with a session") + "<p>" + shown(s.path) + ": " +
                      std::to_string(s.observations) + " observations, " +
                      (s.sameSession ? "those of the calibration itself" : "not used for the calibration") +
-                     format(". RMS <b>%.3g %s</b> as the machine is, <b>%.3g %s</b> corrected.</p>\n",
-                            s.uncorrected / unit, name, s.corrected / unit, name);
-  if (s.positioning.empty()) return html;
-  html +=
-      "<p>Accuracy and repeatability of positioning, ISO 230-2:2014, as the machine is → corrected, in µm "
-      "(arcsec):</p>"
-      "<table><thead><tr><th>Axis</th><th class=\"n\">A</th><th class=\"n\">R</th><th class=\"n\">E</th>"
-      "<th class=\"n\">B</th><th class=\"n\">M</th></tr></thead><tbody>\n";
-  for (const AxisPositioning& a : s.positioning) {
-    html += "<tr><td>" + shown(a.name) + "</td>";
-    const PositioningFigures &was = a.measured.figures, &is = a.calibrated.figures;
-    for (const auto& [before, after] :
-         {std::pair(was.accuracy, is.accuracy), std::pair(was.repeatability, is.repeatability),
-          std::pair(was.systematic, is.systematic), std::pair(was.reversal, is.reversal),
-          std::pair(was.meanRange, is.meanRange)})
-      html += "<td class=\"n\">" +
-              (std::isfinite(before) && std::isfinite(after) ? format("%.3g → %.3g", before, after)
-                                                             : std::string("–")) +
-              "</td>";
-    html += "</tr>\n";
-  }
-  return html + "</tbody></table>\n";
+                     "." + (s.positioning.empty() ? "" : " Figures of axes by ISO 230-2:2014.") + "</p>\n";
+  for (const StatedGroup& group : groups)
+    if (group.origin == FigureOrigin::kMeasured || group.origin == FigureOrigin::kCalculated)
+      html += "<h3>" + shown(group.title) + "</h3>\n" + figureTable(group);
+  return html;
 }
 
 const char* residualUnit(const Calibration& c) { return angularOnly(c) ? "arcsec" : "µm"; }
@@ -263,17 +292,42 @@ std::string residualText(const Calibration& c, double v) {
                           : std::string("–");
 }
 
+/// What ISO/TR 16907 asks to be told of a numerical compensation.
+std::string compensationSection(const Calibration& c) {
+  const bool angular = angularOnly(c);
+  std::string html =
+      sectionHead("Numerical compensation, by ISO/TR 16907") + "<table class=\"facts\">" +
+      factRow("Compensation", "model of the whole calibrated volume, for readings and targets");
+  for (const CompensationFact& fact : compensationFacts(c, c.effects)) html += factRow(fact.name, fact.text);
+  const double before = c.ledger.empty() ? kNotMeasured : c.ledger.front().rmsBefore;
+  return html +
+         factRow("Before and after",
+                 "RMS of the residuals of the calibration's session: " + residualText(c, before) + " " +
+                     residualUnit(c) + " of the machine as it reads (measured), " +
+                     residualText(c, angular ? c.rmsAngular : c.rms) + " " + residualUnit(c) +
+                     " compensated (calculated), " +
+                     residualText(c, angular ? c.heldOutRmsAngular : c.heldOutRms) + " " + residualUnit(c) +
+                     " at measurements that the fit did not use") +
+         "</table>\n";
+}
+
 std::string historySection(const Calibration& c) {
   const std::string unit = residualUnit(c);
-  std::string html = sectionHead("History of this calibration") +
-                     "<table><thead><tr><th>Time</th><th>Step</th><th>Effect</th><th class=\"n\">RMS, " +
-                     unit + "</th><th class=\"n\">held out, " + unit + "</th></tr></thead><tbody>\n";
+  std::string html =
+      sectionHead("History of this calibration") +
+      "<p>Residuals of the calibration's session under the model before and after each step, in " + unit +
+      "; held out: at measurements that the fit did not use.</p>"
+      "<table><thead><tr><th>Time</th><th>Step</th><th>Effect</th><th class=\"n\">RMS before</th>"
+      "<th class=\"n\">RMS after</th><th class=\"n\">held out before</th><th class=\"n\">held out "
+      "after</th></tr></thead><tbody>\n";
   const auto um = [&](double v) { return residualText(c, v); };
+  const ErrorSymbols symbols = symbolsOf(c);
   for (const LedgerEntry& e : c.ledger)
-    html += "<tr><td>" + shown(e.time) + "</td><td>" + shown(e.action) + "</td><td>" +
-            (e.effect.type.empty() ? std::string("all") : shown(inWords(e.effect))) +
-            "</td><td class=\"n\">" + um(e.rmsBefore) + " → " + um(e.rmsAfter) + "</td><td class=\"n\">" +
-            um(e.heldOutBefore) + " → " + um(e.heldOutAfter) + "</td></tr>\n";
+    html += "<tr><td>" + shown(e.time) + "</td><td class=\"when\">" + shown(e.action) + "</td><td>" +
+            (e.effect.type.empty() ? std::string("all") : shown(inWords(e.effect, symbols))) +
+            "</td><td class=\"n\">" + um(e.rmsBefore) + "</td><td class=\"n\">" + um(e.rmsAfter) +
+            "</td><td class=\"n\">" + um(e.heldOutBefore) + "</td><td class=\"n\">" + um(e.heldOutAfter) +
+            "</td></tr>\n";
   html += "</tbody></table>\n";
   if (const std::string plot = historyPlot(c.ledger, angularOnly(c)); !plot.empty())
     html += "<figure>" + plot + "</figure>\n";
@@ -287,13 +341,13 @@ std::string storeSection(const Certificate& c) {
   std::string html = sectionHead("History of use");
   if (!c.store)
     return html +
-           "<p>This calibration is in no store of calibrations that was named: when it was active, and "
-           "how it was verified, is not recorded.</p>\n";
+           "<p>This calibration is not in a named store of calibrations: its active periods and "
+           "verifications "
+           "are not recorded.</p>\n";
   const std::vector<StoreEvent>& events = c.store->events;
   html += "<p>In the store " + shown(c.store->folder) + ". At the time of issue this calibration is " +
           (c.store->active ? "<b>active</b>" : "<b>not active</b>") + ".</p>\n";
-  if (events.empty())
-    return html + "<p>It was not made active there yet, and no verification was recorded.</p>\n";
+  if (events.empty()) return html + "<p>It has not been active there, and no verification is recorded.</p>\n";
   const std::size_t first = events.size() > kMostEvents ? events.size() - kMostEvents : 0;
   if (first > 0) html += format("<p class=\"small\">%zu earlier entries are not listed.</p>\n", first);
   html +=
@@ -311,18 +365,25 @@ std::string storeSection(const Certificate& c) {
 }
 
 std::string decisionSection(const Certificate& c) {
-  bool asked = false;
-  for (const CertifiedTask& t : c.tasks) asked = asked || !t.verdicts.empty();
+  bool asked = false, decided = false;
+  for (const CertifiedTask& t : c.tasks) {
+    asked = asked || t.asked;
+    decided = decided || !t.verdicts.empty();
+  }
   return sectionHead("Uncertainty and decision rule") +
          "<p>U is the standard uncertainty multiplied by the coverage factor k = 2, which for a normal "
-         "distribution "
-         "corresponds to a coverage probability of about 95 %. It was found by propagating the distributions "
-         "of all "
-         "causes named through the measurement (JCGM 101:2008; the method of ISO/TS 15530-4).</p><p>" +
-         (asked ? "Conformity is stated by ISO 14253-1:2017: a value conforms, or does not conform, where "
-                  "that has a "
-                  "probability of 95 % or more in view of its uncertainty; between these nothing is proven."
-                : "No specification was stated; no statement of conformity is made.") +
+         "distribution corresponds to a coverage probability of about 95 %. It was found by propagating the "
+         "distributions of all causes named through the measurement (JCGM 101:2008; the method of ISO/TS "
+         "15530-4).</p><p>" +
+         (decided
+              ? "Conformity is stated according to ISO 14253-1:2017: conformity or nonconformity is stated "
+                "where its probability, considering the uncertainty, is 95 % or more; otherwise neither is "
+                "proven."
+          : asked ? "No statement of conformity is made, as the uncertainty of the reference is not stated."
+                  : "No specification was stated; no statement of conformity is made.") +
+         (decided && c.facts.traceability.empty() ? " The traceability of the reference is not stated: the "
+                                                    "statement holds relative to its stated values."
+                                                  : "") +
          "</p>\n";
 }
 
@@ -337,37 +398,43 @@ std::string certificatePage(const Certificate& c) {
       "'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'\">\n<link "
       "rel=\"icon\" "
       "href=\"data:,\">\n<title>Calibration certificate " +
-      escapedHtml(k.id) + " – measuring machine certificate</title>\n<style>" + kStyle + footOfPage(k.id) +
+      escapedHtml(numberOf(c)) + " – measuring machine certificate</title>\n<style>" + kStyle +
+      footOfPage(numberOf(c)) +
       "</style>\n</head>\n<body>\n<main>\n<h1>Calibration certificate</h1>\n<p class=\"number\">No. " +
-      escapedHtml(k.id) + "</p>\n";
+      escapedHtml(numberOf(c)) + "</p>\n";
   html += itemSection(c) + referenceSection(c) + environmentSection(k);
+  const std::vector<StatedGroup> groups = statedGroups(c);
+  html += sectionHead("Results: parameters of the machine, estimated from the measurements");
+  for (const StatedGroup& group : groups)
+    if (group.origin == FigureOrigin::kEstimated) html += figureTable(group);
+  if (c.session) html += sessionSection(*c.session, groups);
   if (!c.tasks.empty()) {
-    html += sectionHead("Results: uncertainty of measurements with the corrected machine");
-    for (const CertifiedTask& task : c.tasks) html += taskSection(task);
+    html += sectionHead("Predicted: uncertainty of measurements with the corrected machine") +
+            "<p>Each task was simulated on the machine that the calibration describes. None was measured, "
+            "and these "
+            "figures are no results of an acceptance test.</p>\n";
+    for (const CertifiedTask& task : c.tasks) html += taskSection(c, task);
   }
   html += decisionSection(c);
-  if (c.session) html += sessionSection(*c.session);
-  html += parameterSection(k);
-  const bool angular = angularOnly(k);
-  const auto fixedFigure = [&](double v) { return residualText(k, v) + " " + residualUnit(k); };
-  html += "<p>Residuals: RMS " + fixedFigure(angular ? k.rmsAngular : k.rms) +
-          ", at measurements that the fit did not use " +
-          fixedFigure(angular ? k.heldOutRmsAngular : k.heldOutRms) +
-          format("; χ²/ν %.3g; repeatability ", k.chi2PerDof) + fixedFigure(k.repeatability) + " (" +
-          escapedHtml(k.repeatabilityFrom) + ").</p>\n";
   if (!c.curves.empty()) {
-    html += sectionHead("Correction over the axes");
+    html += sectionHead("Calculated: correction over the axes");
     for (const CorrectionCurve& curve : c.curves)
       html += "<figure>" + correctionPlot(curve) + "<figcaption>Axis " + shown(curve.axis) +
               ", the others in the middle of their ranges, travelling upwards; band: U (k = "
               "2).</figcaption></figure>\n";
   }
-  html += historySection(k) + storeSection(c);
+  html += compensationSection(k) + historySection(k) + storeSection(c);
   html += "<section class=\"together\">" + sectionHead("Authenticity") + "<p>Calibration file: CRC-64 " +
           escapedHtml(c.checksum.empty() ? checksumOf(k) : c.checksum) +
-          ". The last line of this file holds it, the hash of the session, and the SHA-256 of everything "
-          "before it; <code>mm certificate --check</code> refuses a certificate that was changed, and one "
-          "whose calibration or session, where they are at hand, are others.</p>\n<div "
+          ". The last line of this file holds it, the number of this issue, the hash of the session, and the "
+          "SHA-256 of "
+          "everything before it; <code>mm certificate --check</code> compares the content with this "
+          "checksum, and "
+          "calibration and session, where they are available, with what it names. The checksum has no key: "
+          "it shows "
+          "an accidental change, not who made one. A digital certificate (<code>-o certificate.xml "
+          "--sign</code>) "
+          "is protected by a signature.</p>\n<div "
           "class=\"sign\"><div>Date</div><div>" +
           (c.facts.operatorName.empty() ? std::string("Signature")
                                         : "Signature, " + shown(c.facts.operatorName)) +

@@ -85,8 +85,10 @@ std::string curveOf(const PlotFrame& f, const PlotSeries& s) {
   }
   if (s.points) {
     for (std::size_t i = 0; i < s.x.size(); ++i)
-      svg += format("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"2.6\" fill=\"%s\"/>", f.px(s.x[i]), f.py(s.y[i]),
-                    s.colour.c_str());
+      svg += format("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"2.6\" fill=\"%s\">", f.px(s.x[i]), f.py(s.y[i]),
+                    s.colour.c_str()) +
+             (i < s.titles.size() ? "<title>" + escapedHtml(s.titles[i]) + "</title>" : std::string()) +
+             "</circle>";
     return svg;
   }
   std::string line;
@@ -146,19 +148,21 @@ std::string correctionPlot(const CorrectionCurve& curve) {
   return svgPlot(curve.axis + ", " + curve.unit, "correction, µm", series);
 }
 
-std::string lengthsPlot(const TaskUncertainty& lengths) {
+std::string lengthsPlot(const LengthTable& lengths) {
+  if (lengths.rows.empty()) return {};
   PlotSeries test{"|E| + U of a length", kColours[0], {}, {}, {}, true},
-      line{"A + L/K", kColours[1], {0.0}, {}, {}, false};
-  const std::vector<TestLength> each = testLengthsOf(lengths);
-  for (const TestLength& l : each) {
-    test.x.push_back(l.length);
-    test.y.push_back(std::abs(l.error) + 2.0 * l.std);
+      line{"A + L/K", kColours[1], {0.0}, {}, {}, false},
+      whole{"largest |E| of a whole test", kColours[3], {0.0}, {}, {}, false};
+  for (const LengthRow& row : lengths.rows) {
+    test.x.push_back(row.length);
+    test.y.push_back(row.sum);
+    test.titles.push_back(row.error.name + ": " + row.sumText + " µm");
   }
-  if (each.empty()) return {};
-  const PermissibleError least = permissibleFor(each);
   line.x.push_back(*std::max_element(test.x.begin(), test.x.end()));
-  for (const double x : line.x) line.y.push_back(least.at(x));
-  return svgPlot("length, mm", "µm", {test, line}, true);
+  whole.x.push_back(line.x.back());
+  for (const double x : line.x) line.y.push_back(lengths.least.at(x));
+  whole.y.assign(2, lengths.wholeTest);
+  return svgPlot("length, mm", "µm", {test, line, whole}, true);
 }
 
 std::string historyPlot(const std::vector<LedgerEntry>& ledger, bool angular) {

@@ -12,6 +12,7 @@ namespace mm {
 namespace {
 
 constexpr const char* kSealMark = "mm-certificate: calibration ";
+constexpr const char* kNumberMark = " number ";
 constexpr const char* kChecksumMark = " crc64 ";
 constexpr const char* kSessionMark = " session ";
 constexpr const char* kDigestMark = " sha256 ";
@@ -33,7 +34,7 @@ std::string takenOff(std::string& text, const char* mark) {
 std::string checksumIn(const std::string& file, const std::string& source) {
   const std::string line = file.substr(0, file.find('\n'));
   if (!startsWith(line, kChecksumLine) || line.size() < std::string(kChecksumLine).size() + kChecksumLength)
-    throw InputError(source + ": its first line is no checksum: it is no calibration's file");
+    throw InputError(source + ": its first line is not a checksum, so it is not a calibration file");
   return line.substr(std::string(kChecksumLine).size(), kChecksumLength);
 }
 
@@ -59,6 +60,7 @@ std::string sealedCertificate(const std::string& content, const CertificateSeal&
   std::string sealed = content;
   if (sealed.empty() || sealed.back() != '\n') sealed += '\n';
   sealed += std::string(pdf ? "%" : "<!-- ") + kSealMark + seal.calibration;
+  if (!seal.number.empty()) sealed += kNumberMark + seal.number;
   if (!seal.checksum.empty()) sealed += kChecksumMark + seal.checksum;
   if (!seal.session.empty()) sealed += kSessionMark + seal.session;
   sealed += kDigestMark;
@@ -66,29 +68,35 @@ std::string sealedCertificate(const std::string& content, const CertificateSeal&
   return sealed + sha256Of(sealed) + (pdf ? "\n" : " -->\n");
 }
 
-CertificateSeal checkCertificate(const std::string& content, const std::string& source) {
+std::optional<CertificateSeal> sealOf(const std::string& content) {
   const std::size_t mark = content.rfind(kSealMark), digest = content.rfind(kDigestMark);
-  if (mark == std::string::npos || digest == std::string::npos || digest < mark)
-    throw InputError(source +
-                     ": has no seal of mm certificate at its end: it is another file, or was cut short");
+  if (mark == std::string::npos || digest == std::string::npos || digest < mark) return std::nullopt;
   CertificateSeal seal;
-  const std::size_t id = mark + std::string(kSealMark).size(),
-                    value = digest + std::string(kDigestMark).size();
+  const std::size_t id = mark + std::string(kSealMark).size();
   seal.calibration = content.substr(id, digest - id);
   seal.session = takenOff(seal.calibration, kSessionMark);
   seal.checksum = takenOff(seal.calibration, kChecksumMark);
-  seal.sha256 = content.substr(value, kDigestLength);
+  seal.number = takenOff(seal.calibration, kNumberMark);
+  seal.sha256 = content.substr(digest + std::string(kDigestMark).size(), kDigestLength);
+  return seal;
+}
+
+CertificateSeal checkCertificate(const std::string& content, const std::string& source) {
+  const std::optional<CertificateSeal> seal = sealOf(content);
+  if (!seal)
+    throw InputError(source + ": has no seal of mm certificate at its end: it is another file, or truncated");
+  const std::size_t value = content.rfind(kDigestMark) + std::string(kDigestMark).size();
   const std::string actual = sha256Of(content.substr(0, value));
   const std::string after = content.substr(std::min(content.size(), value + kDigestLength));
-  if (seal.sha256 != actual)
-    throw InputError(source + ": was changed after it was issued: its seal says SHA-256 " +
-                     seal.sha256.substr(0, 16) + "…, the content has " + actual.substr(0, 16) +
+  if (seal->sha256 != actual)
+    throw InputError(source + ": its content does not match its checksum: its last line says SHA-256 " +
+                     seal->sha256.substr(0, 16) + "…, the content has " + actual.substr(0, 16) +
                      "…; ask the issuer for the original");
   if (after != (startsWith(content, "%PDF-") ? "\n" : " -->\n"))
-    throw InputError(source +
-                     ": was changed after it was issued: something follows its seal; ask the issuer for the "
-                     "original");
-  return seal;
+    throw InputError(
+        source +
+        ": there is text after its checksum, which does not cover it; ask the issuer for the original");
+  return *seal;
 }
 
 }  // namespace mm

@@ -8,11 +8,16 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "base/units.h"
+#include "base/utc_now.h"
 #include "calibration_file/atomic_file.h"
 #include "calibration_file/calibration_yaml.h"
 #include "machine/machine_fit.h"
 #include "report/certificate.h"
+#include "report/certificate_figures.h"
+#include "report/certificate_issue.h"
 #include "report/certificate_seal.h"
+#include "report/dcc.h"
+#include "report/dcc_contents.h"
 #include "session/session_hash.h"
 #include "tools/commands.h"
 #include "tools/exit_status.h"
@@ -22,13 +27,14 @@
 #include "tools/session_input.h"
 #include "tools/store_options.h"
 #include "tools/uncertainty_options.h"
+#include "tools/xml_signer.h"
 #include "workflow/recalibration.h"
 
 namespace mm {
 namespace {
 
 struct CertificateCommand {
-  std::string calibration, bag, output, check;
+  std::string calibration, bag, output, check, sign, key;
   std::vector<std::string> tasks;
   CertificateFacts facts;
   UncertaintyOptions uncertainty;
@@ -65,8 +71,7 @@ Calibration heldAgainstSeal(const CertificateCommand& c, const std::string& file
   const std::string checksum = checksumIn(readFile(file), file);
   if (!seal.checksum.empty() && checksum != seal.checksum)
     throw InputError(c.check + ": was issued for the file with CRC-64 " + seal.checksum + ", " + file +
-                     " has " + checksum +
-                     ": the calibration was changed since; issue a certificate of it anew");
+                     " has " + checksum + ": the calibration has changed since; issue a new certificate");
   if (!seal.session.empty() && calibration.sessionHash != seal.session)
     throw InputError(c.check + ": was issued for a calibration by session " + seal.session + ", " + file +
                      " is by " + calibration.sessionHash + "; take the certificate of this calibration");
@@ -78,32 +83,83 @@ std::string sessionAgainstSeal(const CertificateCommand& c, const Calibration& c
                                const CertificateSeal& seal) {
   const std::string named = c.bag.empty() ? calibration.sessionSource : c.bag;
   std::error_code failed;
-  if (seal.session.empty()) return "session: the seal does not tell it";
+  if (seal.session.empty()) return "session: not recorded in the seal";
   if (named.empty() || (c.bag.empty() && !fs::is_regular_file(named, failed)))
-    return "session: not at hand; name its bag to compare it";
+    return "session: not available; name its bag to compare it";
   const std::string hash = sessionHash(loadSession(named, calibration, c.fit.space));
   if (hash == seal.session) return "session " + named + ": the one by which it was calibrated, hash " + hash;
   // Another file of that name proves nothing; one that was named does.
-  if (c.bag.empty()) return "session: not at hand (" + named + " is another one); name its bag to compare it";
+  if (c.bag.empty())
+    return "session: not available (" + named + " is another one); name its bag to compare it";
   throw InputError(c.check + ": is of a calibration by session " + seal.session + ", " + named + " is " +
                    hash + "; name the bag by which it was calibrated");
 }
 
-void checkSeal(const CertificateCommand& c) {
-  const CertificateSeal seal = checkCertificate(readFile(c.check), c.check);
+/// What was compared with a certificate of these contents, a line each.
+std::string comparedWith(const CertificateCommand& c, const CertificateSeal& seal) {
   std::string compared;
   const std::string file = fileAtHand(c, seal.calibration);
   if (file.empty()) {
-    compared = "calibration file: not at hand; name it, or its folder with --store, to compare it\n";
+    compared = "calibration file: not available; name it, or its folder with --store, to compare it\n";
   } else {
     const Calibration calibration = heldAgainstSeal(c, file, seal);
     compared = "calibration file " + file + ": " +
-               (seal.checksum.empty() ? "of this id; the seal does not tell its CRC-64"
+               (seal.checksum.empty() ? "of this id; the seal does not record its CRC-64"
                                       : "the one that was certified, CRC-64 " + seal.checksum) +
                "\n" + sessionAgainstSeal(c, calibration, seal) + "\n";
   }
-  std::cout << "unchanged since it was issued; calibration " << seal.calibration << '\n'
-            << compared << "SHA-256 " << seal.sha256 << '\n';
+  return compared;
+}
+
+std::string whichCertificate(const CertificateSeal& seal) {
+  return (seal.number.empty() ? std::string() : "certificate id: " + seal.number + "\n") + "calibration " +
+         seal.calibration + "\n";
+}
+
+/// A digital certificate: the signature, if it has one. @throw InputError: it was changed after it was
+/// signed.
+void checkDcc(const CertificateCommand& c, const std::string& xml, int& exitStatus) {
+  const DccContents dcc = dccContents(xml, c.check);
+  const CertificateSeal seal{dcc.calibration, dcc.number, dcc.checksum, dcc.session, {}};
+  std::string finding;
+  if (!dcc.signature.there) {
+    if (dcc.signatureAnnounced)
+      throw InputError(c.check +
+                       ": says that it is signed, but has no signature; ask the issuer for the original");
+    finding = "not signed: whether it was changed cannot be determined\n";
+    exitStatus = kAnswerIsNo;
+  } else {
+    requireXmlSigner();
+    if (!signatureIsValid(xml, dcc.signature.publicKey, dcc.signature.fingerprint))
+      throw InputError(
+          c.check +
+          ": its signature is not valid: it was changed after it was signed; ask the issuer for the "
+          "original");
+    const bool known = !c.key.empty();
+    if (known && fingerprintIn(readFile(c.key), c.key) != dcc.signature.fingerprint)
+      throw InputError(c.check + ": is not signed with " + c.key + ", but with the key of SHA-256 " +
+                       dcc.signature.fingerprint + "; ask the issuer which key is theirs");
+    finding = "signature valid: unchanged since it was signed with " +
+              (known ? c.key + "\n"
+                     : "the key of SHA-256 " + dcc.signature.fingerprint +
+                           "\nwhose key that is, only the issuer can say; name theirs with --key\n");
+  }
+  const std::string compared =
+      seal.calibration.empty() ? std::string() : comparedWith(c, seal);  // may refuse
+  std::cout << finding << whichCertificate(seal) << compared;
+}
+
+void checkIssued(const CertificateCommand& c, int& exitStatus) {
+  const std::string content = readFile(c.check);
+  if (content.find("digitalCalibrationCertificate") != std::string::npos && !sealOf(content))
+    return checkDcc(c, content, exitStatus);
+  if (!c.key.empty())
+    throw InputError("--key " + c.key + ": only an XML certificate has a signature, and " + c.check +
+                     " is none; leave --key out");
+  const CertificateSeal seal = checkCertificate(content, c.check);
+  const std::string compared = comparedWith(c, seal);  // may refuse
+  std::cout << "content matches its checksum, which has no key: whoever can write the file can renew it\n"
+            << whichCertificate(seal) << compared << "SHA-256 " << seal.sha256 << '\n';
 }
 
 CertifiedSession heldAgainst(const CertificateCommand& c, const Calibration& calibration) {
@@ -149,6 +205,8 @@ std::vector<CertifiedTask> certifiedTasks(CertificateCommand& c, const Calibrati
     CertifiedTask task;
     task.result = taskUncertaintyOf(calibration, options);
     task.verdicts = verdictsOf(task.result, options.asked());
+    task.asked = !task.verdicts.empty();
+    task.measured = std::isfinite(options.measuredMm);
     tasks.push_back(std::move(task));
   }
   return tasks;
@@ -165,8 +223,72 @@ std::optional<StoreRecord> recordOf(const CertificateCommand& c, const Calibrati
   }
 }
 
+/// Number of the certificate that stands in the output's place; empty: none of this calibration.
+IssueNumber replacedIssue(const std::string& file, const std::string& calibration) {
+  if (kindOf(file) != FileKind::kCertificate) return {};
+  const std::string content = readFile(file);
+  std::string number;
+  if (const std::optional<CertificateSeal> seal = sealOf(content))
+    number = seal->number;
+  else if (startsWith(content, "<?xml"))
+    number = dccContents(content, file).number;
+  const IssueNumber found = IssueNumber::parsed(number);
+  return found.calibration == calibration ? found : IssueNumber();
+}
+
+/// Gives this issue its number, and lists it in the store that keeps the calibration.
+void numberIssue(const CertificateCommand& c, const IssueNumber& before, Certificate& certificate) {
+  const std::string form = endsWith(lower(c.output), ".xml") ? "digital" : "paper";
+  const std::string id = certificate.calibration.id;
+  IssueNumber number{id, issueStamp(), before.count + 1};
+  if (before.count > 0) certificate.replaces = before.text();
+  if (certificate.store) {
+    try {
+      const CalibrationStore store(certificate.store->folder);
+      if (certificate.replaces.empty())
+        for (const CalibrationStore::Issue& i : store.issues())
+          if (i.id == id && i.form == form) certificate.replaces = IssueNumber{i.id, i.stamp, i.count}.text();
+      number.count = store.noteIssue({number.stamp, id, form, number.count});
+    } catch (const InputError& e) {
+      std::cerr << "mm: warning: this issue is not listed in the store: " << e.what() << std::endl;
+    }
+  }
+  certificate.number = number.text();
+}
+
+/// Without the uncertainty of the reference there are results, but no conformity.
+void decideConformity(Certificate& certificate, const TaskConditions& conditions) {
+  certificate.scaleStd = conditions.artifactScale;
+  certificate.radiusStd = conditions.artifactRadius;
+  certificate.notStated = uncertaintyNotStated(certificate.calibration, conditions);
+  if (certificate.notStated.empty()) return;
+  bool asked = false;
+  for (CertifiedTask& task : certificate.tasks) {
+    asked = asked || task.asked;
+    task.verdicts.clear();
+  }
+  if (asked)
+    std::cerr << "mm: warning: no statement of conformity: " << joined(certificate.notStated, "; ")
+              << std::endl;
+}
+
+/// The certificate as the file that was asked for.
+std::string contentOf(const CertificateCommand& c, const Certificate& certificate,
+                      const std::optional<SigningKey>& key) {
+  const std::string name = lower(c.output);
+  if (endsWith(name, ".xml")) {
+    const std::string xml = dccOf(certificate, key ? &*key : nullptr);
+    return key ? signedXml(xml, c.sign, key->fingerprint) : xml;
+  }
+  std::string content = certificatePage(certificate);
+  if (endsWith(name, ".pdf")) content = printedPdf(content);
+  const Calibration& calibration = certificate.calibration;
+  return sealedCertificate(
+      content, {calibration.id, certificate.number, certificate.checksum, calibration.sessionHash, {}});
+}
+
 void runCertificate(CertificateCommand& c, int& exitStatus) {
-  if (!c.check.empty()) return checkSeal(c);
+  if (!c.check.empty()) return checkIssued(c, exitStatus);
   if (c.calibration.empty() || c.output.empty())
     throw InputError(std::string("certificate: ") +
                      (c.calibration.empty() ? "a calibration file" : "-o, the file to write,") +
@@ -174,33 +296,49 @@ void runCertificate(CertificateCommand& c, int& exitStatus) {
                      "certificate.pdf");
   c.files.input(c.calibration);
   c.files.input(c.bag);
+  c.files.input(c.sign);
   c.files.output("-o", c.output, FileKind::kCertificate);
   c.files.check();
-  const bool pdf = endsWith(lower(c.output), ".pdf"), html = endsWith(lower(c.output), ".html");
-  if (!pdf && !html)
-    throw InputError("-o " + c.output + ": a certificate is .pdf or .html; name a file that ends so");
+  const bool pdf = endsWith(lower(c.output), ".pdf"), html = endsWith(lower(c.output), ".html"),
+             xml = endsWith(lower(c.output), ".xml");
+  if (!pdf && !html && !xml)
+    throw InputError("-o " + c.output + ": a certificate is .pdf, .html or .xml; name a file that ends so");
+  if (!c.sign.empty() && !xml)
+    throw InputError("--sign " + c.sign + ": only an XML certificate is signed, and -o names " + c.output +
+                     "; name a file that ends in .xml");
+  if (!c.key.empty()) throw InputError("--key " + c.key + ": is for --check; sign with --sign");
   if (pdf) requirePdfPrinter();
+  if (!c.sign.empty()) requireXmlSigner();
+  std::optional<SigningKey> key;
+  if (!c.sign.empty()) key = signingKeyOf(readFile(c.sign), c.sign);
   Certificate certificate;
   certificate.calibration = loadCalibration(c.calibration);
   const Calibration& calibration = certificate.calibration;
   certificate.facts = c.facts;
+  certificate.facts.issued = utcNow();
   certificate.checksum = checksumIn(readFile(c.calibration), c.calibration);
   certificate.store = recordOf(c, calibration);
   certificate.serial =
       !c.facts.serial.empty() ? c.facts.serial : serialOf(Machine(calibration.urdf, calibration.machineName));
   if (!c.bag.empty()) certificate.session = heldAgainst(c, calibration);
   certificate.tasks = certifiedTasks(c, calibration);
+  decideConformity(certificate, c.uncertainty.conditionsFor(calibration.domain));
   certificate.curves = correctionCurves(calibration);
-  std::string content = certificatePage(certificate);
-  if (pdf) content = printedPdf(content);
-  content = sealedCertificate(content, {calibration.id, certificate.checksum, calibration.sessionHash, {}});
+  const IssueNumber before = replacedIssue(c.output, calibration.id);
+  numberIssue(c, before, certificate);
+  const std::string content = contentOf(c, certificate, key);
   c.files.write(c.output, content);
-  std::cout << "written to " << c.output << "\nSHA-256 " << checkCertificate(content, c.output).sha256
-            << '\n';
+  std::cout << "written to " << c.output << "\ncertificate id: " << certificate.number << '\n';
+  if (!certificate.replaces.empty()) std::cout << "replaces the one of id: " << certificate.replaces << '\n';
+  if (xml)
+    std::cout << (key ? "signed with " + c.sign + ", public key SHA-256 " + key->fingerprint : "not signed")
+              << '\n';
+  else
+    std::cout << "SHA-256 " << checkCertificate(content, c.output).sha256 << '\n';
   for (const CertifiedTask& task : certificate.tasks) {
     for (const std::string& why : task.result.outside)
       std::cerr << "mm: warning: " << task.result.task << ": the calibration does not hold " << why << '\n';
-    if (!task.result.outside.empty()) exitStatus = kAnswerIsNo;
+    if (!task.result.outside.empty() || (task.asked && task.verdicts.empty())) exitStatus = kAnswerIsNo;
     for (const TaskVerdict& v : task.verdicts)
       if (v.conformity != Conformity::kConforms) exitStatus = kAnswerIsNo;
   }
@@ -210,24 +348,32 @@ void runCertificate(CertificateCommand& c, int& exitStatus) {
 
 void addCertificateCommand(CLI::App& app, int& exitStatus) {
   auto c = std::make_shared<CertificateCommand>();
-  CLI::App* command =
-      app.add_subcommand("certificate", "A calibration certificate as PDF or page, with a seal");
+  CLI::App* command = app.add_subcommand(
+      "certificate", "Write a calibration certificate as PDF, HTML or signed XML (DCC), or check one");
   command->add_option("calibration", c->calibration, "the calibration file");
-  command->add_option("bag", c->bag, "a session against which it is held");
-  command->add_option("-o,--output", c->output, "certificate.pdf or certificate.html");
-  command->add_option("--check", c->check,
-                      "a certificate: was it changed? With a calibration (else that of the store) and a bag: "
-                      "is it of these, to the byte?");
+  command->add_option("bag", c->bag, "a session to compare the calibration with");
+  command->add_option("-o,--output", c->output,
+                      "certificate.pdf, certificate.html, or certificate.xml (DCC)");
+  command->add_option(
+      "--check", c->check,
+      "check the signature or checksum of this certificate, and whether it belongs to the given "
+      "calibration (default: that of the store) and bag");
+  command->add_option("--sign", c->sign,
+                      "sign an XML certificate with this private key (PEM, RSA or EC) by xmlsec1");
+  command->add_option(
+      "--key", c->key,
+      "with --check: the issuer's public key or X.509 certificate (PEM), to compare the signature with");
   command->add_option("--serial", c->facts.serial, "serial number (default: <serial> of the machine's URDF)");
   command->add_option("--operator", c->facts.operatorName, "who calibrated");
+  command->add_option("--laboratory", c->facts.laboratory, "laboratory that issues the certificate");
   command->add_option("--customer", c->facts.customer, "for whom");
-  command->add_option("--place", c->facts.place, "where");
+  command->add_option("--place", c->facts.place, "where, with the country's code at its end: \"Jena, DE\"");
   command->add_option("--traceability", c->facts.traceability,
-                      "of the artifact: its certificate, laboratory and date");
-  command->add_option("--remark", c->facts.remark, "whatever else it shall say");
+                      "traceability of the artifact: its certificate, laboratory and date");
+  command->add_option("--remark", c->facts.remark, "remark to print");
   command
       ->add_option("--task", c->tasks,
-                   "a task whose uncertainty it states (mm uncertainty --help); once each "
+                   "measurement task whose uncertainty is stated (mm uncertainty --help); repeatable "
                    "(default: iso10360-2)")
       ->take_all()
       ->allow_extra_args(false);
@@ -236,10 +382,13 @@ void addCertificateCommand(CLI::App& app, int& exitStatus) {
   c->files.declare(*command);
   declareNamespace(*command, c->fit.space);
   command->footer(
-      "The last line of the file is the SHA-256 of all that stands before it.\n"
-      "Examples:\n  mm certificate c.yaml s.bag -o certificate.pdf --operator \"E. Abbe\" --traceability "
-      "\"ball plate "
-      "17, PTB 2026-03\" --mpe 1.5,250\n  mm certificate --check certificate.pdf");
+      "The last line of a PDF or HTML file is the SHA-256 of everything before it; an XML file is\n"
+      "protected by its signature. Conformity is stated only where the uncertainty of the artifact is.\n"
+      "Examples:\n"
+      "  mm certificate c.yaml s.bag -o certificate.pdf --operator \"E. Abbe\" --traceability \"ball plate "
+      "17, PTB 2026-03\" --mpe 1.5,250\n"
+      "  mm certificate c.yaml -o certificate.xml --sign key.pem\n"
+      "  mm certificate --check certificate.xml --key laboratory.pem");
   command->callback([c, &exitStatus] { runCertificate(*c, exitStatus); });
 }
 

@@ -78,7 +78,10 @@ FileKind kindOf(const fs::path& file) {
   if (first == std::string::npos || holds(text, std::string(1, '\0'))) return FileKind::kOther;
   if (text[first] == '<') {
     if (holds(text, "measuring machine report</title>")) return FileKind::kPage;
-    if (holds(text, "measuring machine certificate</title>")) return FileKind::kCertificate;
+    if (holds(text, "measuring machine certificate</title>") ||
+        (holds(text, "<dcc:digitalCalibrationCertificate") &&
+         holds(text, ">measuring_machine</dcc:content>")))
+      return FileKind::kCertificate;
     if (holds(text, "<robot")) return FileKind::kMachine;
     return holds(text, "<svg") ? FileKind::kPicture : FileKind::kOther;
   }

@@ -11,7 +11,7 @@ enum class FileKind {
   kBag,          // a session
   kCalibration,  // also a damaged one
   kPage,         // of mm report
-  kCertificate,  // PDF or page
+  kCertificate,  // PDF, page or DCC
   kPicture,      // SVG
   kMachine,      // URDF
   kModel,

@@ -134,6 +134,7 @@ void OutputFiles::checkName(const Output& out) const {
       {".bag", {FileKind::kBag}},
       {".html", {FileKind::kPage, FileKind::kCertificate}},
       {".pdf", {FileKind::kCertificate, FileKind::kPage}},
+      {".xml", {FileKind::kCertificate}},
       {".urdf", {FileKind::kMachine}}};
   const auto promised = kNames.find(fs::path(out.file).extension().string());
   if (promised == kNames.end() || kindOf(out.file) == FileKind::kStream) return;

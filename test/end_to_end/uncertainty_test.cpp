@@ -65,7 +65,7 @@ TEST_F(Certificates, ArePagesThatACheckAcceptsAndARefusalProtects) {
   const Answer made = typed(
       "certificate c.yaml s.bag -o cert.html --operator 'E. Abbe' --serial M-17 --task "
       "distance:-10,0,0:10,0,0 "
-      "--trials 2000 --tolerance-um 100");
+      "--trials 2000 --tolerance-um 100 --artifact-scale-um-m 1");
   ASSERT_EQ(made.status, 0) << made.error;
   const std::string page = textOf(*folder_ / "cert.html");
   for (const char* part : {"E. Abbe", "M-17", "those of the calibration itself", "ISO 230-2", "conforms"})
@@ -99,9 +99,10 @@ TEST_F(Certificates, ArePagesThatACheckAcceptsAndARefusalProtects) {
   std::string tampered = page;
   tampered.replace(tampered.find("M-17"), 4, "M-18");
   folder_->write("tampered.html", tampered);
-  expectRefused("certificate --check tampered.html", {"tampered.html", "was changed"});
+  expectRefused("certificate --check tampered.html", {"tampered.html", "does not match its checksum"});
   expectRefused("certificate --check s.csv", {"s.csv", "no seal"});
-  expectRefused("certificate c.yaml -o cert.txt", {"cert.txt", ".pdf or .html"});
+  expectRefused("certificate c.yaml -o cert.txt", {"cert.txt", ".pdf, .html or .xml"});
+  expectRefused("certificate c.yaml -o cert.pdf --sign key.pem", {"--sign", "ends in .xml"});
   expectRefused("certificate c.yaml s.bag -o s.bag", {"s.bag", "name another file"});
   expectRefused("certificate c.yaml --force -o c.yaml", {"c.yaml", "name another file"});
   expectRefused("certificate c.yaml -o plan.yaml", {"plan.yaml", "a measurement plan"});
@@ -109,6 +110,130 @@ TEST_F(Certificates, ArePagesThatACheckAcceptsAndARefusalProtects) {
   expectRefused("certificate -o cert.pdf", {"calibration"});
   std::filesystem::remove(*folder_ / "cert.html");
   std::filesystem::remove(*folder_ / "tampered.html");
+}
+
+// The instrument's uncertainty is not stated: there are results, and no conformity.
+TEST_F(Certificates, StateNoConformityWithoutTheUncertaintyOfTheReference) {
+  const Answer made = typed(
+      "certificate c.yaml -o results.html --task distance:-10,0,0:10,0,0 --trials 200 --tolerance-um 100");
+  EXPECT_EQ(made.status, 1);
+  EXPECT_NE(made.error.find("no statement of conformity: "), std::string::npos) << made.error;
+  EXPECT_NE(made.error.find("--artifact-scale-um-m"), std::string::npos) << made.error;
+  const std::string page = textOf(*folder_ / "results.html");
+  EXPECT_NE(page.find("No statement of conformity"), std::string::npos);
+  EXPECT_EQ(page.find("conforms;"), std::string::npos);
+  std::filesystem::remove(*folder_ / "results.html");
+}
+
+/// The line of what was printed that follows this text.
+std::string wordAfter(const std::string& text, const std::string& before) {
+  const std::size_t at = text.find(before);
+  return at == std::string::npos ? std::string()
+                                 : text.substr(at + before.size(), text.find('\n', at) - at - before.size());
+}
+
+TEST_F(Certificates, EveryIssueHasItsNumberAndSaysWhatItReplaces) {
+  const std::string task = " --task position:0,0,0 --trials 200",
+                    id = "certificate id: ", old = "replaces the one of id: ";
+  const Answer first = typed("certificate c.yaml -o a.html" + task),
+               again = typed("certificate c.yaml -o a.html" + task);
+  ASSERT_EQ(again.status, 0) << again.error;
+  EXPECT_EQ(wordAfter(first.out, old), "");
+  EXPECT_EQ(wordAfter(again.out, old), wordAfter(first.out, id));
+  EXPECT_NE(wordAfter(again.out, id), wordAfter(first.out, id));
+  EXPECT_NE(textOf(*folder_ / "a.html").find("certificate No. " + wordAfter(first.out, id)),
+            std::string::npos);
+  EXPECT_EQ(wordAfter(typed("certificate --check a.html").out, id), wordAfter(again.out, id));
+  // A certificate of another calibration in its place is no issue of this one.
+  EXPECT_EQ(wordAfter(typed("certificate t.yaml -o a.html" + task).out, old), "");
+  // In a store issues are counted, whatever the files are called.
+  run("promote c.yaml --store counted");
+  const std::string store = task + " --store counted";
+  const Answer one = typed("certificate c.yaml -o b.html" + store),
+               two = typed("certificate c.yaml -o d.html" + store),
+               xml = typed("certificate c.yaml -o d.xml" + store);
+  EXPECT_EQ(wordAfter(two.out, old), wordAfter(one.out, id)) << two.out << two.error;
+  EXPECT_EQ(wordAfter(xml.out, old), "") << "another form of the same certificate replaces none";
+  EXPECT_EQ(wordAfter(xml.out, id).back(), '3') << xml.out;
+  for (const char* file : {"a.html", "b.html", "d.html", "d.xml"}) std::filesystem::remove(*folder_ / file);
+  std::filesystem::remove_all(*folder_ / "counted");
+}
+
+TEST_F(Certificates, AreSignedAsXmlAndRefusedWhenChanged) {
+  const auto shell = [&](const std::string& command) {
+    return WEXITSTATUS(
+        std::system(("cd '" + *folder_ / "." + "' && " + command + " >/dev/null 2>&1").c_str()));
+  };
+  for (const char* key : {"lab", "other"}) {
+    const std::string name = key;
+    ASSERT_EQ(shell("openssl ecparam -name prime256v1 -genkey -noout -out " + name +
+                    ".pem && openssl pkey -in " + name + ".pem -pubout -out " + name + "_public.pem"),
+              0);
+  }
+  const std::string task = " --task position:0,0,0 --trials 200 --operator 'E. Abbe'";
+  run("certificate c.yaml s.bag -o signed.xml --sign lab.pem" + task);
+  const std::string xml = textOf(*folder_ / "signed.xml");
+  EXPECT_EQ(xml.find("PRIVATE"), std::string::npos);
+  const std::string grammar = std::filesystem::absolute("test/data/dcc/dcc.rng").string();
+  EXPECT_EQ(shell("xmllint --noout --relaxng '" + grammar + "' signed.xml"), 0);
+  // Any program that verifies XML signatures agrees.
+  EXPECT_EQ(shell("xmlsec1 --verify --enabled-key-data key-name --pubkey-pem:\"$(sed "
+                  "'s/.*<ds:KeyName>//;s/<.*//' signed.xml | grep -m 1 '^[0-9a-f]\\{64\\}$')\" "
+                  "lab_public.pem signed.xml"),
+            0);
+  const Answer valid = typed("certificate --check signed.xml");
+  EXPECT_EQ(valid.status, 0) << valid.error;
+  EXPECT_NE(valid.out.find("signature valid"), std::string::npos) << valid.out;
+  EXPECT_NE(valid.out.find("only the issuer can say"), std::string::npos) << valid.out;
+  const Answer known = typed("certificate c.yaml s.bag --check signed.xml --key lab_public.pem");
+  EXPECT_EQ(known.status, 0) << known.error;
+  EXPECT_NE(known.out.find("the one that was certified, CRC-64 "), std::string::npos) << known.out;
+  expectRefused("certificate --check signed.xml --key other_public.pem",
+                {"is not signed with other_public.pem"});
+  expectRefused("certificate t.yaml --check signed.xml", {"is of calibration"});
+  // Changed: a word, a figure, the signature itself; taken off; signed by somebody else under the same name.
+  const auto changed = [&](const std::string& from, const std::string& to) {
+    std::string text = xml;
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    folder_->write("changed.xml", text.replace(at, from.size(), to));
+  };
+  for (const auto& [from, to] : {std::pair<const char*, const char*>{"E. Abbe", "E. Abbf"},
+                                 {"<si:coverageFactor>2", "<si:coverageFactor>3"},
+                                 {"<ds:SignatureValue>", "<ds:SignatureValue>A"}}) {
+    changed(from, to);
+    expectRefused("certificate --check changed.xml", {"changed.xml", "was changed after it was signed"});
+  }
+  folder_->write("changed.xml",
+                 xml.substr(0, xml.find("<ds:Signature ")) + "</dcc:digitalCalibrationCertificate>\n");
+  expectRefused("certificate --check changed.xml", {"says that it is signed, but has no signature"});
+  run("certificate c.yaml -o unsigned.xml" + task);
+  const Answer open = typed("certificate --check unsigned.xml");
+  EXPECT_EQ(open.status, 1);
+  EXPECT_NE(open.out.find("not signed"), std::string::npos) << open.out;
+  EXPECT_EQ(open.out.find("valid"), std::string::npos) << open.out;
+
+  expectRefused("certificate c.yaml -o new.xml --sign lab_public.pem" + task,
+                {"lab_public.pem", "no private key"});
+  expectRefused("certificate c.yaml -o new.xml --sign none.pem" + task, {"none.pem"});
+  expectRefused("certificate c.yaml -o new.xml --key lab.pem" + task, {"--key", "--sign"});
+  ASSERT_EQ(shell("openssl pkey -in lab.pem -aes256 -passout pass:secret -out locked.pem"), 0);
+  expectRefused("certificate c.yaml -o new.xml --sign locked.pem" + task, {"locked.pem", "encrypted"});
+  // Without the program that signs.
+  const std::string empty = *folder_ / "no_signer";
+  std::filesystem::create_directory(empty);
+  const std::string out = *folder_ / "stderr.txt";
+  const int status = std::system(
+      ("cd '" + *folder_ / "." + "' && PATH='" + empty +
+       "' '" MM_PROGRAM "' certificate c.yaml -o new.xml --sign lab.pem >/dev/null 2>'" + out + "'")
+          .c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 2);
+  EXPECT_NE(textOf(out).find("apt install xmlsec1"), std::string::npos) << textOf(out);
+  EXPECT_FALSE(std::filesystem::exists(*folder_ / "new.xml"));
+  std::filesystem::remove(empty);
+  for (const char* file : {"signed.xml", "changed.xml", "unsigned.xml", "lab.pem", "lab_public.pem",
+                           "other.pem", "other_public.pem", "locked.pem"})
+    std::filesystem::remove(*folder_ / file);
 }
 
 TEST_F(Certificates, WithoutAPrinterThereIsNoPdfAndAClearWord) {

@@ -1,4 +1,5 @@
-// A certificate says what it must, takes names as data, and is refused when a byte of it was changed.
+// A certificate says what it must, takes names as data, and is refused where its content is not that of its
+// checksum.
 #include "report/certificate.h"
 
 #include <gtest/gtest.h>
@@ -8,6 +9,7 @@
 #include "base/error.h"
 #include "compensation_support.h"
 #include "model/model_spec.h"
+#include "report/certificate_issue.h"
 #include "report/certificate_plots.h"
 #include "report/certificate_seal.h"
 #include "report/uncertainty_output.h"
@@ -53,7 +55,8 @@ TEST(Certificate, SaysWhatACertificateMust) {
   for (const char* part :
        {"20260301T093000Z-00c0ffee", "M-17", "E. Abbe", "D-K-15070 &amp; 2026", "plate &lt;no. 7&gt;",
         "U = 0.4 µm (k = 2), in the results", "taken as exact", "distance:-10,0,0:10,0,0", "k = 2",
-        "ISO 14253-1", "conforms", "scale of x", "repeatability of the probe", "18 to 26 °C", "<svg"})
+        "ISO 14253-1", "conforms", "scale of x (EXX)", "w-b-X-Y-Z-t", "bidirectional: Y; ",
+        "repeatability of the probe", "18 to 26 °C", "<svg"})
     EXPECT_NE(page.find(part), std::string::npos) << part;
   EXPECT_EQ(page.find("<no. 7>"), std::string::npos);
   EXPECT_EQ(page.find("<script"), std::string::npos);
@@ -66,7 +69,7 @@ TEST(Certificate, TellsWhenItWasActiveAndWhatFreshPointsSaid) {
   const CalibrationStore store(folder.path("store"));
   Certificate c = exampleCertificate();
   EXPECT_FALSE(storeRecord(store, c.calibration));
-  EXPECT_NE(certificatePage(c).find("in no store of calibrations"), std::string::npos);
+  EXPECT_NE(certificatePage(c).find("not in a named store of calibrations"), std::string::npos);
   Calibration earlier = c.calibration, foreign = c.calibration;
   earlier.id = "earlier";
   foreign.id = "foreign";
@@ -114,8 +117,10 @@ TEST(Certificate, AnglesAreNotCalledMicrometres) {
   step.rmsAfter = step.heldOutAfter = 1.0 * kArcsecond;
   k.ledger = {step, step};
   const std::string page = certificatePage(c);
-  for (const char* part : {"RMS, arcsec", "held out, arcsec", "13.8 → 1<", "RMS 13.8 arcsec",
-                           "repeatability 1.25 arcsec", "step of the calibration"})
+  for (const char* part :
+       {"before and after each step, in arcsec", "<td class=\"n\">13.8</td><td class=\"n\">1</td>",
+        "<td>RMS</td><td class=\"n\">13.8</td><td>arcsec</td>", "<td class=\"n\">1.25</td><td>arcsec</td>",
+        "step of the calibration"})
     EXPECT_NE(page.find(part), std::string::npos) << part;
   EXPECT_EQ(page.find("66.9"), std::string::npos) << "13.8 arcsec are 66.9 urad, no micrometres";
 }
@@ -133,27 +138,197 @@ TEST(CertificateSeal, FindsEveryChange) {
   for (const std::string& content :
        {certificatePage(exampleCertificate()), std::string("%PDF-1.4\nbinary \0 bytes\n%%EOF\n", 29)}) {
     const std::string sealed =
-        sealedCertificate(content, {"20260301T093000Z-00c0ffee", "0123456789abcdef", "feed", {}});
+        sealedCertificate(content, {"20260301T093000Z-00c0ffee", "id-1", "0123456789abcdef", "feed", {}});
     const CertificateSeal seal = checkCertificate(sealed, "c");
     EXPECT_EQ(seal.calibration, "20260301T093000Z-00c0ffee");
+    EXPECT_EQ(seal.number, "id-1");
     EXPECT_EQ(seal.checksum, "0123456789abcdef");
     EXPECT_EQ(seal.session, "feed");
     EXPECT_EQ(seal.sha256.size(), 64U);
     // A seal of before these were told.
-    const CertificateSeal old = checkCertificate(sealedCertificate(content, {"old-one", "", "", ""}), "c");
+    const CertificateSeal old =
+        checkCertificate(sealedCertificate(content, {"old-one", "", "", "", ""}), "c");
     EXPECT_EQ(old.calibration, "old-one");
-    EXPECT_EQ(old.checksum + old.session, "");
+    EXPECT_EQ(old.number + old.checksum + old.session, "");
     for (std::size_t at = 0; at < sealed.size(); at += 1 + sealed.size() / 97) {
       std::string tampered = sealed;
       tampered[at] = static_cast<char>(tampered[at] ^ 1);
       EXPECT_THROW(checkCertificate(tampered, "c"), InputError) << at;
     }
+    // It says what it knows: not who changed it, nor when.
+    const std::string refused = test::messageOf<InputError>([&] { checkCertificate("x" + sealed, "c"); });
+    EXPECT_NE(refused.find("does not match its checksum"), std::string::npos) << refused;
     EXPECT_THROW(checkCertificate(sealed + "more", "c"), InputError);
     EXPECT_THROW(checkCertificate(sealed.substr(0, sealed.size() / 2), "c"), InputError);
     EXPECT_THROW(checkCertificate(content, "c"), InputError);
   }
   EXPECT_EQ(sha256Of("abc"),
             "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");  // FIPS 180-2, B.1
+}
+
+// Where the reference's uncertainty is not stated, nothing conforms, and the line that would state it is
+// named.
+TEST(CertificateConformity, NeedsTheUncertaintyOfTheReference) {
+  Certificate c = exampleCertificate();
+  CalibratedBy& a = *c.calibration.artifact;
+  TaskConditions conditions;
+  const auto missing = [&] { return uncertaintyNotStated(c.calibration, conditions); };
+  a.centreStd = a.radiusStd = 0.0;
+  ASSERT_EQ(missing().size(), 2U);
+  EXPECT_NE(missing()[0].find("centre_std_um"), std::string::npos) << missing()[0];
+  EXPECT_NE(missing()[1].find("radius_std_um"), std::string::npos) << missing()[1];
+  a.centreStd = 0.2e-6;
+  EXPECT_EQ(missing().size(), 1U);
+  a.radiusStd = 0.1e-6;
+  EXPECT_TRUE(missing().empty());
+  // One ball that was taken as exact.
+  FoundInArtifact ball{"b0", true, false, {}, Eigen::Vector3d::Constant(0.2e-6), 4e-3, 0.1e-6}, exact = ball;
+  exact.name = "b1";
+  exact.std.setZero();
+  a.found = {ball, exact};
+  ASSERT_EQ(missing().size(), 1U);
+  EXPECT_NE(missing()[0].find("of b1 "), std::string::npos) << missing()[0];
+  conditions.artifactScale = 1e-6;
+  EXPECT_TRUE(missing().empty());
+  // Points have no radius.
+  a.found[0].ball = a.found[1].ball = false;
+  a.radiusStd = a.centreStd = 0.0;
+  conditions.artifactScale = 0.0;
+  ASSERT_EQ(missing().size(), 1U);
+  EXPECT_NE(missing()[0].find("position_std_um"), std::string::npos) << missing()[0];
+  // An instrument, and a file that does not tell.
+  a.features = 0;
+  EXPECT_NE(missing().at(0).find("--artifact-scale-um-m"), std::string::npos);
+  c.calibration.artifact.reset();
+  EXPECT_EQ(missing().size(), 1U);
+  conditions.artifactScale = 1e-6;
+  EXPECT_TRUE(missing().empty());
+
+  c.scaleStd = 1e-6;
+  c.notStated = {"the uncertainty of <this> is not stated"};
+  c.tasks[0].asked = true;
+  c.tasks[0].verdicts.clear();
+  const std::string page = certificatePage(c);
+  EXPECT_NE(page.find("No statement of conformity: the uncertainty of &lt;this&gt;"), std::string::npos);
+  EXPECT_EQ(page.find("conforms;"), std::string::npos);
+  EXPECT_NE(page.find("U = 2 µm/m (k = 2), stated for the predicted results"), std::string::npos);
+}
+
+// Every table has figures of one origin, and every figure is in one.
+TEST(CertificateFigures, MeasuredAndPredictedAreNeverInOneTable) {
+  Certificate c = exampleCertificate();
+  c.session.emplace();
+  c.session->path = "s.bag";
+  c.session->uncorrected = 9.87e-6;
+  c.session->corrected = 0.654e-6;
+  const std::string page = certificatePage(c);
+  const auto tableOf = [&](const std::string& cell) {
+    const std::size_t at = page.find(">" + cell + "<"), head = page.rfind("<thead>", at);
+    EXPECT_NE(at, std::string::npos) << cell;
+    return page.substr(head, page.find("</table>", at) - head);
+  };
+  for (const auto& [cell, origin] : {std::pair<const char*, const char*>{"9.87", "Value, measured<"},
+                                     {"0.654", "Value, calculated, not measured<"},
+                                     {"123.4", "Value, estimated from the measurements<"},
+                                     {"distance", "Value, predicted, not measured<"}}) {
+    const std::string table = tableOf(cell);
+    EXPECT_NE(table.find(origin), std::string::npos) << cell << ": " << table;
+    std::size_t heads = 0;
+    for (std::size_t at = table.find("Value, "); at != std::string::npos; at = table.find("Value, ", at + 1))
+      ++heads;
+    EXPECT_EQ(heads, 1U) << table;
+  }
+  EXPECT_EQ(page.find("→"), std::string::npos);
+}
+
+// The plot of a test shows the table's figures: its highest mark is the table's largest sum, and nothing
+// printed lies above its scale.
+TEST(CertificateFigures, PlotAndTableAreOfOneSource) {
+  const Certificate c = exampleCertificate();
+  const Model model(Machine::load("three_axis"), c.calibration.domain, c.calibration.effects);
+  const auto task = makeTask("iso10360-2", {}, model);
+  MonteCarloOptions options;
+  options.trials = 2000;
+  CertifiedTask stated;
+  stated.result = taskUncertainty(*task, VirtualMachine(c.calibration, *task, {}), options);
+  const LengthTable table = lengthTable(stated.result);
+  ASSERT_EQ(table.rows.size(), 35U);
+  const std::string plot = lengthsPlot(table);
+  double highest = 1e9, lowest = -1e9;
+  std::string title;
+  std::size_t marks = 0;
+  for (std::size_t at = plot.find("<circle "); at != std::string::npos;
+       at = plot.find("<circle ", at + 1), ++marks) {
+    const std::size_t y = plot.find("cy=\"", at) + 4, text = plot.find("<title>", at) + 7;
+    const double pixel = std::stod(plot.substr(y));
+    lowest = std::max(lowest, pixel);
+    if (pixel >= highest) continue;
+    highest = pixel;
+    title = plot.substr(text, plot.find("</title>", text) - text);
+  }
+  EXPECT_EQ(marks, table.rows.size());
+  const std::string& largest = table.rows[table.largest].sumText;
+  EXPECT_EQ(title.substr(title.rfind(": ") + 2), largest + " µm");
+  for (const LengthRow& row : table.rows) {
+    EXPECT_LE(row.sum, table.rows[table.largest].sum);
+    EXPECT_LE(row.sum, table.least.at(row.length) + 1e-9);
+    EXPECT_NEAR(std::stod(row.sumText), std::abs(std::stod(row.error.value)) + std::stod(row.error.expanded),
+                1e-9);
+  }
+  Certificate whole = c;
+  whole.tasks = {stated};
+  const std::string page = certificatePage(whole);
+  EXPECT_NE(page.find("<b>" + largest + "</b>"), std::string::npos);
+  EXPECT_NE(page.find("Largest |E| + U of a length: " + largest + " µm"), std::string::npos);
+  // The expected largest |E| of the test is drawn, too: its line is a polyline of the plot's last series.
+  EXPECT_GT(table.wholeTest, 0.0);
+  const double over = std::stod(plot.substr(plot.find(',', plot.rfind("<polyline points=\"")) + 1));
+  const double perMicrometre =
+      (lowest - highest) /
+      (table.rows[table.largest].sum -
+       std::min_element(table.rows.begin(), table.rows.end(), [](const LengthRow& a, const LengthRow& b) {
+         return a.sum < b.sum;
+       })->sum);
+  EXPECT_NEAR(highest - over, (table.wholeTest - table.rows[table.largest].sum) * perMicrometre,
+              0.1 * std::abs(highest - over) + 2.0);
+}
+
+TEST(CertificateIssue, HasANumberOfItsOwn) {
+  const IssueNumber first{"20260301T093000Z-00c0ffee", "20260302T080000123Z", 1};
+  EXPECT_EQ(first.text(), "20260301T093000Z-00c0ffee-20260302T080000123Z-1");
+  const IssueNumber read = IssueNumber::parsed(first.text());
+  EXPECT_EQ(read.calibration, first.calibration);
+  EXPECT_EQ(read.stamp, first.stamp);
+  EXPECT_EQ(read.count, 1);
+  for (const char* none :
+       {"", "20260301T093000Z-00c0ffee", "id-20260302T080000123Z-0", "id-20260302T080000Z-1"})
+    EXPECT_EQ(IssueNumber::parsed(none).count, 0) << none;
+  EXPECT_EQ(IssueNumber::parsed(IssueNumber{"id", issueStamp(), 12}.text()).count, 12);
+
+  Certificate c = exampleCertificate();
+  c.number = first.text();
+  EXPECT_NE(certificatePage(c).find("no earlier issue is known"), std::string::npos);
+  c.replaces = "id-of-the-first";
+  const std::string page = certificatePage(c);
+  EXPECT_NE(page.find("No. " + first.text()), std::string::npos);
+  EXPECT_NE(page.find("certificate No. id-of-the-first"), std::string::npos);
+}
+
+TEST(CertificateIssue, IsCountedInTheStore) {
+  const test::Folder folder;
+  CalibrationStore store(folder.path("store"));
+  Certificate c = exampleCertificate();
+  EXPECT_THROW(store.noteIssue({"20260302T080000123Z", c.calibration.id, "paper", 0}), InputError);
+  c.calibration.created = "2026-03-01T09:30:00Z";
+  store.add(c.calibration);
+  const std::string& id = c.calibration.id;
+  EXPECT_EQ(store.noteIssue({"20260302T080000123Z", id, "paper", 0}), 1);
+  EXPECT_EQ(store.noteIssue({"20260302T080000124Z", id, "digital", 0}), 2);
+  EXPECT_EQ(store.noteIssue({"20260302T080000125Z", id, "paper", 7}), 7);
+  const auto issues = store.issues();
+  ASSERT_EQ(issues.size(), 3U);
+  EXPECT_EQ(issues[1].form, "digital");
+  EXPECT_EQ(issues[2].count, 7);
 }
 
 TEST(CertificatePlots, ShowRoundMarksAndNothingWithoutPoints) {

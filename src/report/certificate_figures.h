@@ -1,0 +1,61 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "report/certificate.h"
+
+namespace mm {
+
+// Every figure of a certificate, rounded once: page, plots and digital certificate show these.
+
+/// One figure with the digits that its uncertainty allows.
+struct StatedFigure {
+  std::string of, name;      // "scale of x (EXX)", "s"; `of` may be empty
+  std::string value;         // a decimal number, in `unit`
+  std::string expanded;      // U (k = 2), in `unit`; empty: none is stated
+  std::string unit;          // "um", "mm", "um/m", "1" …
+  bool held = false;         // by a convention: it has no uncertainty
+  std::string distribution;  // of the value; empty: not stated
+};
+
+/// How figures came about: those of different origin are never put into one table.
+enum class FigureOrigin { kEstimated, kMeasured, kCalculated, kPredicted };
+/// "estimated from the measurements", "measured" …
+const char* nameOf(FigureOrigin origin);
+
+/// Figures of one origin.
+struct StatedGroup {
+  FigureOrigin origin = FigureOrigin::kMeasured;
+  std::string title;
+  std::vector<StatedFigure> figures;
+};
+
+/// All of a certificate: parameters, residuals, what was measured in a session, what is calculated for it
+/// with the correction, and what is predicted of each task.
+std::vector<StatedGroup> statedGroups(const Certificate& certificate);
+
+/// What is predicted of a task, its lengths left out where there are several (see lengthTable).
+StatedGroup taskFigures(const CertifiedTask& task);
+
+/// One length of a task with several.
+struct LengthRow {
+  double length = 0.0;  // mm
+  double sum = 0.0;     // |E| + U, um
+  StatedFigure error;   // E with its U, um
+  std::string sumText;  // of `sum`
+};
+/// The lengths of a task: what the table prints and the plot draws.
+struct LengthTable {
+  std::vector<LengthRow> rows;  // empty: the task has fewer than two lengths
+  std::size_t largest = 0;      // of `sum`
+  PermissibleError least;       // that every sum keeps
+  double wholeTest = 0.0;       // expected largest |E| of all measurements of the test, um
+};
+LengthTable lengthTable(const TaskUncertainty& task);
+
+/// What of the artifact's uncertainty is not stated, each with the line that would state it; empty: it is all
+/// stated, and conformity may be decided.
+std::vector<std::string> uncertaintyNotStated(const Calibration& calibration,
+                                              const TaskConditions& conditions);
+
+}  // namespace mm

@@ -1,0 +1,308 @@
+#include "report/dcc.h"
+
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "base/format.h"
+#include "base/text.h"
+#include "base/units.h"
+#include "base/utc_now.h"
+#include "base/version.h"
+#include "report/certificate_figures.h"
+#include "report/certificate_seal.h"
+#include "report/dcc_contents.h"
+#include "report/dsi_unit.h"
+
+namespace mm {
+namespace {
+
+using tinyxml2::XMLElement;
+
+constexpr const char* kDccVersion = "3.3.0";
+constexpr const char* kNotStated = "not stated";
+constexpr const char* kUnknownCountry = "ZZ";  // of ISO 3166-1, left to its users
+constexpr const char* kCoverageFactor = "2";
+constexpr const char* kCoverageProbability = "0.95";
+
+/// Bytes of a character that starts with this one; 0: none does.
+std::size_t lengthOfCharacter(unsigned char first) {
+  return first < 0x80                    ? 1
+         : first >= 0xC2 && first < 0xE0 ? 2
+         : first >= 0xE0 && first < 0xF0 ? 3
+         : first >= 0xF0 && first < 0xF5 ? 4
+                                         : 0;
+}
+
+/// Text as XML may hold it: UTF-8 without control characters, no blanks at its ends, never empty.
+std::string xmlText(const std::string& text) {
+  std::string clean;
+  for (std::size_t i = 0; i < text.size();) {
+    const auto c = static_cast<unsigned char>(text[i]);
+    const std::size_t length = lengthOfCharacter(c);
+    bool whole = length > 0 && i + length <= text.size();
+    for (std::size_t k = 1; whole && k < length; ++k)
+      whole = (static_cast<unsigned char>(text[i + k]) & 0xC0) == 0x80;
+    if (!whole)
+      clean += '?';
+    else if (length > 1 || (c >= 0x20 && c != 0x7F))
+      clean += text.substr(i, length);
+    else
+      clean += ' ';
+    i += whole ? length : 1;
+  }
+  const std::string trimmed(trim(clean));
+  return trimmed.empty() ? kNotStated : trimmed;
+}
+
+XMLElement& add(XMLElement& parent, const char* name) { return *parent.InsertNewChildElement(name); }
+
+void addLeaf(XMLElement& parent, const char* name, const std::string& text) {
+  add(parent, name).SetText(xmlText(text).c_str());
+}
+
+/// An element with text in a language: dcc:textType, dcc:richContentType.
+XMLElement& addText(XMLElement& parent, const char* name, const std::string& text) {
+  XMLElement& element = add(parent, name);
+  XMLElement& content = add(element, "dcc:content");
+  content.SetAttribute("lang", "en");
+  content.SetText(xmlText(text).c_str());
+  return element;
+}
+
+/// dcc:contactType: who, and where.
+void addContact(XMLElement& parent, const char* name, const std::string& who, const std::string& place) {
+  XMLElement& contact = add(parent, name);
+  addText(contact, "dcc:name", who);
+  addText(add(contact, "dcc:location"), "dcc:further", place);
+}
+
+void addIdentification(XMLElement& list, const char* issuer, const std::string& value, const char* name) {
+  XMLElement& identification = add(list, "dcc:identification");
+  addLeaf(identification, "dcc:issuer", issuer);
+  addLeaf(identification, "dcc:value", value);
+  addText(identification, "dcc:name", name);
+}
+
+std::string dateOf(const std::string& time) { return time.substr(0, 10); }
+
+void addSoftware(XMLElement& list, const std::string& release) {
+  XMLElement& software = add(list, "dcc:software");
+  addText(software, "dcc:name", "measuring_machine");
+  addLeaf(software, "dcc:release", release);
+  addLeaf(software, "dcc:type", "application");
+}
+
+void addCoreData(XMLElement& data, const Certificate& c) {
+  const Calibration& k = c.calibration;
+  const std::string country = countryOf(c.facts.place);
+  XMLElement& core = add(data, "dcc:coreData");
+  addLeaf(core, "dcc:countryCodeISO3166_1", country.empty() ? kUnknownCountry : country);
+  addLeaf(core, "dcc:usedLangCodeISO639_1", "en");
+  addLeaf(core, "dcc:mandatoryLangCodeISO639_1", "en");
+  addLeaf(core, "dcc:uniqueIdentifier", numberOf(c));
+  XMLElement& ids = add(core, "dcc:identifications");
+  addIdentification(ids, "calibrationLaboratory", k.id, kDccCalibrationId);
+  addIdentification(ids, "calibrationLaboratory", c.checksum.empty() ? checksumOf(k) : c.checksum,
+                    kDccFileChecksum);
+  if (!k.sessionHash.empty()) addIdentification(ids, "calibrationLaboratory", k.sessionHash, kDccSessionHash);
+  const std::string issued = c.facts.issued.empty() ? utcNow() : c.facts.issued;
+  addLeaf(core, "dcc:beginPerformanceDate", dateOf(k.created.empty() ? issued : k.created));
+  addLeaf(core, "dcc:endPerformanceDate", dateOf(k.created.empty() ? issued : k.created));
+  addLeaf(core, "dcc:performanceLocation", "other");
+  addLeaf(core, "dcc:issueDate", dateOf(issued));
+  if (c.replaces.empty()) return;
+  XMLElement& replaced = add(core, "dcc:reportAmendedSubstituted");
+  addLeaf(replaced, "dcc:typeOfChange", "substituted");
+  addLeaf(replaced, "dcc:replacedUniqueIdentifier", c.replaces);
+}
+
+XMLElement& addStatement(XMLElement& list, const std::string& name) {
+  XMLElement& statement = add(list, "dcc:statement");
+  addText(statement, "dcc:name", name);
+  return statement;
+}
+
+std::string rangesOf(const Domain& d) {
+  std::string text;
+  for (std::size_t j = 0; j < d.joints.size(); ++j) {
+    const bool rotary = d.joints[j].kind == JointKind::kRotary;
+    const double unit = rotary ? kDegree : kMillimetre;
+    text += (j == 0 ? "" : "; ") + d.joints[j].name +
+            format(" %.4g to %.4g ", d.lower[j] / unit, d.upper[j] / unit) + (rotary ? "deg" : "mm");
+  }
+  return text;
+}
+
+void addStatements(XMLElement& data, const Certificate& c) {
+  XMLElement& list = add(data, "dcc:statements");
+  XMLElement& uncertainty = addStatement(list, "uncertainty");
+  addLeaf(uncertainty, "dcc:norm", "JCGM 100:2008");
+  addLeaf(uncertainty, "dcc:norm", "JCGM 101:2008");
+  addText(uncertainty, "dcc:declaration",
+          "Expanded uncertainty: the standard uncertainty multiplied by the coverage factor k = 2, which for "
+          "a normal "
+          "distribution corresponds to a coverage probability of about 95 %.");
+  XMLElement& traceability = addStatement(list, "metrological traceability of the reference");
+  addLeaf(traceability, "dcc:traceable", c.facts.traceability.empty() ? "false" : "true");
+  addText(traceability, "dcc:declaration", c.facts.traceability);
+  addText(addStatement(list, "range of validity"), "dcc:declaration", rangesOf(c.calibration.domain));
+  for (const CertifiedTask& task : c.tasks) {
+    if (task.asked && task.verdicts.empty())
+      addText(addStatement(list, "conformity: " + task.result.task), "dcc:declaration",
+              "No statement of conformity: " + joined(c.notStated, "; "));
+    for (const TaskVerdict& v : task.verdicts) {
+      XMLElement& statement = addStatement(list, "conformity: " + task.result.task);
+      addLeaf(statement, "dcc:norm", "ISO 14253-1:2017");
+      addText(statement, "dcc:declaration",
+              (task.measured ? "Of a measured value: " : "Predicted, no test was made: ") + v.inWords);
+      if (v.conformity != Conformity::kUndecided)
+        addLeaf(statement, "dcc:conformity", v.conformity == Conformity::kConforms ? "pass" : "fail");
+    }
+  }
+  if (!c.facts.remark.empty()) addText(addStatement(list, "remark"), "dcc:declaration", c.facts.remark);
+}
+
+void addAdministrativeData(XMLElement& root, const Certificate& c, bool toBeSigned) {
+  XMLElement& data = add(root, "dcc:administrativeData");
+  addSoftware(add(data, "dcc:dccSoftware"), kVersion);
+  addCoreData(data, c);
+  XMLElement& item = add(add(data, "dcc:items"), "dcc:item");
+  addText(item, "dcc:name", c.calibration.machineName);
+  addIdentification(add(item, "dcc:identifications"), "manufacturer", c.serial, "serial number");
+  XMLElement& laboratory = add(data, "dcc:calibrationLaboratory");
+  addContact(laboratory, "dcc:contact", c.facts.laboratory, c.facts.place);
+  addLeaf(laboratory, "dcc:cryptElectronicSignature", toBeSigned ? "true" : "false");
+  XMLElement& person = add(add(data, "dcc:respPersons"), "dcc:respPerson");
+  addText(add(person, "dcc:person"), "dcc:name", c.facts.operatorName);
+  addLeaf(person, "dcc:mainSigner", "true");
+  addContact(data, "dcc:customer", c.facts.customer, "");
+  addStatements(data, c);
+}
+
+/// si:real, or text where the D-SI has no such unit.
+void addQuantity(XMLElement& parent, const char* element, const StatedFigure& f) {
+  XMLElement& quantity = add(parent, element);
+  addText(quantity, "dcc:name", f.of.empty() ? f.name : f.of + ": " + f.name);
+  if (f.held) addText(quantity, "dcc:description", "held by a convention, without an uncertainty");
+  const std::optional<std::string> unit = dsiUnit(f.unit);
+  if (!unit) {
+    addText(quantity, "dcc:noQuantity",
+            f.value + (f.expanded.empty() ? "" : ", U = " + f.expanded + " (k = 2)") + ", unit " + f.unit);
+    return;
+  }
+  XMLElement& real = add(quantity, "si:real");
+  addLeaf(real, "si:value", f.value);
+  addLeaf(real, "si:unit", *unit);
+  if (f.expanded.empty()) return;
+  XMLElement& expanded = add(add(real, "si:measurementUncertaintyUnivariate"), "si:expandedMU");
+  addLeaf(expanded, "si:valueExpandedMU", f.expanded);
+  addLeaf(expanded, "si:coverageFactor", kCoverageFactor);
+  addLeaf(expanded, "si:coverageProbability", kCoverageProbability);
+  if (!f.distribution.empty()) addLeaf(expanded, "si:distribution", f.distribution);
+}
+
+void addMethods(XMLElement& results, const Certificate& c) {
+  XMLElement& methods = add(results, "dcc:usedMethods");
+  XMLElement& estimation = add(methods, "dcc:usedMethod");
+  addText(estimation, "dcc:name", "Estimation of the parameters: " + c.calibration.method);
+  XMLElement& propagation = add(methods, "dcc:usedMethod");
+  addText(propagation, "dcc:name", "Propagation of distributions through simulated measurements");
+  addLeaf(propagation, "dcc:norm", "JCGM 101:2008");
+  addLeaf(propagation, "dcc:norm", "ISO/TS 15530-4");
+  addSoftware(add(results, "dcc:usedSoftware"), c.calibration.software);
+}
+
+void addReference(XMLElement& results, const Certificate& c) {
+  if (!c.calibration.artifact) return;
+  const CalibratedBy& a = *c.calibration.artifact;
+  XMLElement& equipment = add(add(results, "dcc:measuringEquipments"), "dcc:measuringEquipment");
+  addText(equipment, "dcc:name", a.features > 0 ? a.name : "independent instrument");
+  addIdentification(add(equipment, "dcc:identifications"), "owner", a.serial, "serial number");
+  XMLElement& stated = add(equipment, "dcc:measuringEquipmentQuantities");
+  const auto state = [&](const char* name, double expanded, const char* unit) {
+    if (expanded > 0.0) {
+      addQuantity(stated, "dcc:measuringEquipmentQuantity",
+                  {{}, name, format("%.2g", expanded), {}, unit, false, {}});
+      return;
+    }
+    XMLElement& quantity = add(stated, "dcc:measuringEquipmentQuantity");
+    addText(quantity, "dcc:name", name);
+    addText(quantity, "dcc:noQuantity", "not stated; taken as exact");
+  };
+  if (a.features > 0) {
+    state("largest U (k = 2) of a position", 2.0 * a.centreStd / kMicrometre, "um");
+    state("largest U (k = 2) of a radius", 2.0 * a.radiusStd / kMicrometre, "um");
+  }
+  state("U (k = 2) of the scale, stated for the predicted results", 2e6 * c.scaleStd, "um/m");
+  if (c.radiusStd > 0.0)
+    state("U (k = 2) of the reference ball's radius, stated for the predicted results",
+          2.0 * c.radiusStd / kMicrometre, "um");
+}
+
+void addConditions(XMLElement& results, const Domain& d) {
+  if (d.sensors.empty()) return;
+  XMLElement& list = add(results, "dcc:influenceConditions");
+  for (std::size_t s = 0; s < d.sensors.size(); ++s) {
+    XMLElement& condition = add(list, "dcc:influenceCondition");
+    addText(condition, "dcc:name", "temperature " + d.sensors[s]);
+    XMLElement& range = add(condition, "dcc:data");
+    if (!std::isfinite(d.sensorLower[s]) || !std::isfinite(d.sensorUpper[s])) {
+      addText(range, "dcc:text", "not recorded");
+      continue;
+    }
+    addQuantity(range, "dcc:quantity",
+                {{}, "lowest", format("%.1f", d.sensorLower[s]), {}, "degC", false, {}});
+    addQuantity(range, "dcc:quantity",
+                {{}, "highest", format("%.1f", d.sensorUpper[s]), {}, "degC", false, {}});
+  }
+}
+
+void addResults(XMLElement& root, const Certificate& c) {
+  XMLElement& results = add(root, "dcc:measurementResults");
+  addMethods(results, c);
+  addReference(results, c);
+  addConditions(results, c.calibration.domain);
+  for (const StatedGroup& group : statedGroups(c)) {
+    if (group.figures.empty()) continue;
+    XMLElement& result = add(results, "dcc:measurementResult");
+    addText(result, "dcc:name", group.title);
+    addText(result, "dcc:description", nameOf(group.origin));
+    XMLElement& one = add(add(result, "dcc:results"), "dcc:result");
+    addText(one, "dcc:name", group.title);
+    XMLElement& list = add(add(one, "dcc:data"), "dcc:list");
+    for (const StatedFigure& figure : group.figures) addQuantity(list, "dcc:quantity", figure);
+  }
+}
+
+}  // namespace
+
+std::string countryOf(const std::string& place) {
+  const std::string text(trim(place)), last(trim(text.substr(text.rfind(',') + 1)));
+  const bool code =
+      text.rfind(',') != std::string::npos && last.size() == 2 &&
+      std::all_of(last.begin(), last.end(), [](unsigned char c) { return c >= 'A' && c <= 'Z'; });
+  return code ? last : std::string();
+}
+
+std::string dccOf(const Certificate& c, const SigningKey* key) {
+  tinyxml2::XMLDocument document;
+  document.InsertEndChild(document.NewDeclaration());
+  XMLElement* root = document.NewElement("dcc:digitalCalibrationCertificate");
+  document.InsertEndChild(root);
+  root->SetAttribute("xmlns:dcc", "https://ptb.de/dcc");
+  root->SetAttribute("xmlns:si", "https://ptb.de/si");
+  root->SetAttribute("xmlns:xsi", "http://www.w3.org/2001/XMLSchema-instance");
+  root->SetAttribute("xsi:schemaLocation", "https://ptb.de/dcc https://ptb.de/dcc/v3.3.0/dcc.xsd");
+  root->SetAttribute("schemaVersion", kDccVersion);
+  addAdministrativeData(*root, c, key != nullptr);
+  addResults(*root, c);
+  if (key != nullptr) addSignatureTemplate(*root, *key);
+  tinyxml2::XMLPrinter printer;
+  document.Print(&printer);
+  return printer.CStr();
+}
+
+}  // namespace mm
