@@ -63,19 +63,14 @@ class ShapesOf {
   }
 
  private:
-  /// Along the joint it grows, and is larger in the middle than at the ends.
+  /// Along the joint it grows, is larger in the middle, or where the machine works most.
   void changesAlong(int joint) {
     const RowMatrix one = linearColumns(effect_, space_.columns(effect_, p_));
-    RowMatrix grows = one;
-    varyAlong(space_.problem(), space_.used(), joint, grows);
-    RowMatrix bow = grows;
-    varyAlong(space_.problem(), space_.used(), joint, bow);
-    RowMatrix both(one.rows(), 2 * one.cols());
-    both << grows, 1.5 * bow - 0.5 * one;
+    const RowMatrix curve = curveAlong(space_.problem(), space_.used(), joint, one);
     const std::string& name = model_.domain().joints[static_cast<std::size_t>(joint)].name;
     const std::vector<int> travels = inputsOf(effect_, model_.domain()).travels;
     const bool play = std::find(travels.begin(), travels.end(), joint) != travels.end();
-    add(both, kVariation, name, play ? formulaOver(name) : EffectSpec());
+    add(curve, kVariation, name, play ? formulaOver(name) : EffectSpec());
   }
 
   void add(const Eigen::MatrixXd& columns, double share, const std::string& along, EffectSpec follows) {

@@ -6,6 +6,7 @@
 
 #include "effects/linearity.h"
 #include "effects/registry.h"
+#include "effects/smooth_basis.h"
 
 namespace mm {
 namespace {
@@ -27,6 +28,17 @@ constexpr double kDistinct = 1e-4;  // of a joint's range: positions further apa
 constexpr double kUsualOfBound =
     0.1;                          // of the largest plausible size: what is met, where nothing else is known
 constexpr int kMostMissing = 10;  // an input may be unknown in one of so many rows
+
+constexpr int kCurveAlong = 8;      // functions of the curve by which a size changes along a joint
+constexpr double kRoughness = 1.0;  // of that curve: wear is local (SmoothBasis)
+
+/// Of a joint in a row, -1 to 1 over what the session covers of it; 0: it never moved.
+double scaledPosition(const Problem& problem, int row, int joint) {
+  const Domain& domain = problem.model().domain();
+  const double lower = domain.lower[joint], upper = domain.upper[joint];
+  const double q = problem.state(problem.rows()[row].observation).position[joint];
+  return upper > lower ? (2.0 * q - upper - lower) / (upper - lower) : 0.0;
+}
 
 const Parameter& firstLinear(const Effect& effect) {
   return effect.parameters()[static_cast<std::size_t>(linearParameters(effect).front())];
@@ -83,11 +95,11 @@ DraftShape ShapeMaker::draft(const EffectPtr& effect, const std::vector<double>&
     beside(*effect, f.nonlinear, f.share);
   for (const int joint : effect->nature().variesAlong) {
     RowMatrix varied = columns.front();
-    varyAlong(problem_, space_.used(), joint, varied);
-    RowMatrix most = varied;  // Legendre's polynomial of degree 2: a nut works most in the middle
-    varyAlong(problem_, space_.used(), joint, most);
+    if (nonlinear.empty())
+      varied = curveAlong(problem_, space_.used(), joint, varied);
+    else
+      varyAlong(problem_, space_.used(), joint, varied);
     take(std::move(varied), kVariation);
-    if (nonlinear.empty()) take(3.0 / 2.0 * most - 1.0 / 2.0 * columns.front(), kVariation);
   }
   d.raw.resize(space_.length(), count);
   for (std::size_t k = 0; k < columns.size(); ++k)
@@ -232,13 +244,22 @@ RowMatrix GroupColumns::operator()(const EffectPtr& effect, const std::vector<do
 }
 
 void varyAlong(const Problem& problem, const std::vector<int>& rows, int joint, RowMatrix& columns) {
-  const Domain& domain = problem.model().domain();
-  const double range = domain.upper[joint] - domain.lower[joint];
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const double q = problem.state(problem.rows()[rows[i]].observation).position[joint];
-    columns.row(static_cast<int>(i)) *=
-        range > 0.0 ? (2.0 * q - domain.upper[joint] - domain.lower[joint]) / range : 0.0;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    columns.row(static_cast<int>(i)) *= scaledPosition(problem, rows[i], joint);
+}
+
+RowMatrix curveAlong(const Problem& problem, const std::vector<int>& rows, int joint,
+                     const RowMatrix& columns) {
+  const SmoothBasis curve(kCurveAlong, kRoughness);
+  std::vector<double> values(kCurveAlong);
+  RowMatrix all(columns.rows(), kCurveAlong * columns.cols());
+  for (Eigen::Index i = 0; i < columns.rows(); ++i) {
+    curve.values(scaledPosition(problem, rows[static_cast<std::size_t>(i)], joint), values.data());
+    for (int f = 0; f < kCurveAlong; ++f)
+      all.row(i).segment(f * columns.cols(), columns.cols()) =
+          curve.priorStd(f) / curve.priorStd(0) * values[static_cast<std::size_t>(f)] * columns.row(i);
   }
+  return all;
 }
 
 }  // namespace mm

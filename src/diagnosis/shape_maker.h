@@ -76,8 +76,14 @@ class GroupColumns {
 
 /// How much the size of a cause changes over the travel of a joint along which it is known to change.
 constexpr double kVariation = 0.15;
+
 /// Columns of an effect (a row for each of `rows`), from minus themselves at one end of a joint's travel to
 /// themselves at the other; zero where it never moved.
 void varyAlong(const Problem& problem, const std::vector<int>& rows, int joint, RowMatrix& columns);
+
+/// Columns of an effect, each times the functions of a curve along a joint: more at one end, in the middle,
+/// or where the machine works most. Each as large as it usually is beside the first.
+RowMatrix curveAlong(const Problem& problem, const std::vector<int>& rows, int joint,
+                     const RowMatrix& columns);
 
 }  // namespace mm

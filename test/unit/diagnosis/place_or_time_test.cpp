@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -128,6 +129,22 @@ TEST(PlaceOrTime, WhatIsLostOverTheWaySinceAReversalIsLostMotion) {
   }
 }
 
+// A nut that is worn where it works most: its play is larger at one place of the screw, and a table of ISO
+// 230-2 comes there once a run.
+TEST(PlaceOrTime, APlayThatIsLargerAtOnePlaceIsNoCycleInTime) {
+  const auto worn = [](double x, double way) {
+    const double apart = (x - 14.0) / 4.0;
+    return 1.0 * x / 10.0 - 0.5 * way * (4.0 + 3.0 * std::exp(-0.5 * apart * apart));
+  };
+  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+    const Diagnosis d = diagnosisOf(0.0, worn, seed, 0.25);
+    std::set<std::string> types;
+    for (const CandidateResult& m : d.missing) types.insert(m.effect.type);
+    EXPECT_EQ(types, (std::set<std::string>{"backlash", "scale"})) << d.sentence;
+    EXPECT_TRUE(d.drift.empty()) << d.sentence;
+  }
+}
+
 // A play is a lost motion that is lost at once: what is said of the two is not that nothing would tell.
 TEST(PlaceOrTime, APlayIsNotTheSameAsALostMotion) {
   const auto play = [](double, double way) { return -2.0 * way; };
@@ -139,22 +156,21 @@ TEST(PlaceOrTime, APlayIsNotTheSameAsALostMotion) {
   }
 }
 
-// before: two waves of 0.3 ± 0.7 um and 0.1 ± 0.5 um at more than 1000 to 1, and one of 358 um when added
+// Targets half a period apart tell neither a longer wave nor a larger one.
 TEST(PlaceOrTime, AWaveOfTwoStepsIsNoLongerAndNoLarger) {
   const auto wave = [](double x, double) { return 2.0 * std::sin(kPi * x / 2.0 + 0.8); };
   for (const std::uint64_t seed : {1, 2}) {
     const Diagnosis d = diagnosisOf(0.0, wave, seed, 0.5, 2.0);
-    EXPECT_NE(d.verdict, Verdict::kExplained) << d.sentence;
-    EXPECT_EQ(d.missing.empty(), d.sentence.find("the runs agree") != std::string::npos) << d.sentence;
-    for (const CandidateResult& m : d.missing) {  // a little beside: which other looks the same is said
-      EXPECT_EQ(m.effect.type, "lead_screw_periodic") << d.sentence;
-      const EffectSpec::Value* stated =
-          m.effect.find("period_mm");  // where the session does not determine it
-      EXPECT_NEAR(m.parameters.size() == 3 ? m.parameters.back().value : std::stod(stated->items.at(0)), 4.0,
-                  0.1)
-          << d.sentence;
-      for (const NamedValue& v : m.parameters) EXPECT_LT(std::abs(v.value), 4.2) << d.sentence;
-    }
+    ASSERT_EQ(d.missing.size(), 1u) << d.sentence;
+    const CandidateResult& m = d.missing[0];
+    EXPECT_EQ(m.effect.type, "lead_screw_periodic") << d.sentence;
+    EXPECT_EQ(m.effect.text("axis"), "x") << d.sentence;
+    const bool determined = m.parameters.size() == 3;  // else the period is stated
+    EXPECT_NEAR(determined ? m.parameters[2].value : std::stod(m.effect.text("period_mm")), 4.0, 0.1)
+        << d.sentence;
+    // two targets a period see 2 sin(0.8) um of it, and no more
+    EXPECT_NEAR(std::hypot(m.parameters[0].value, m.parameters[1].value), 2.0 * std::sin(0.8), 0.2)
+        << d.sentence;
   }
 }
 
