@@ -95,11 +95,11 @@ DraftShape ShapeMaker::draft(const EffectPtr& effect, const std::vector<double>&
     beside(*effect, f.nonlinear, f.share);
   for (const int joint : effect->nature().variesAlong) {
     RowMatrix varied = columns.front();
-    if (nonlinear.empty())
-      varied = curveAlong(problem_, space_.used(), joint, varied);
-    else
-      varyAlong(problem_, space_.used(), joint, varied);
+    varyAlong(problem_, space_.used(), joint, varied);
+    RowMatrix most = varied;  // Legendre's polynomial of degree 2: a nut works most in the middle
+    varyAlong(problem_, space_.used(), joint, most);
     take(std::move(varied), kVariation);
+    if (nonlinear.empty()) take(3.0 / 2.0 * most - 1.0 / 2.0 * columns.front(), kVariation);
   }
   d.raw.resize(space_.length(), count);
   for (std::size_t k = 0; k < columns.size(); ++k)
@@ -252,12 +252,14 @@ RowMatrix curveAlong(const Problem& problem, const std::vector<int>& rows, int j
                      const RowMatrix& columns) {
   const SmoothBasis curve(kCurveAlong, kRoughness);
   std::vector<double> values(kCurveAlong);
-  RowMatrix all(columns.rows(), kCurveAlong * columns.cols());
-  for (Eigen::Index i = 0; i < columns.rows(); ++i) {
-    curve.values(scaledPosition(problem, rows[static_cast<std::size_t>(i)], joint), values.data());
+  RowMatrix all = RowMatrix::Zero(columns.rows(), kCurveAlong * columns.cols());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    curve.values(scaledPosition(problem, rows[i], joint), values.data());
+    const auto row = static_cast<Eigen::Index>(i);  // of data: what a session knows beforehand stands below
     for (int f = 0; f < kCurveAlong; ++f)
-      all.row(i).segment(f * columns.cols(), columns.cols()) =
-          curve.priorStd(f) / curve.priorStd(0) * values[static_cast<std::size_t>(f)] * columns.row(i);
+      all.row(row).segment(f * columns.cols(), columns.cols()) =
+          std::min(1.0, curve.priorStd(f) / curve.priorStd(1)) * values[static_cast<std::size_t>(f)] *
+          columns.row(row);
   }
   return all;
 }
