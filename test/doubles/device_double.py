@@ -8,6 +8,7 @@ command a line and answers with one line of JSON:
     limit <axis> <-1|0|1>               a limit switch
     machine                             where it truly is, whether it moves, when it moved last (s of the monotonic clock), how it
                                         was told to stop and when
+    line                                how often something was heard, how much of what is said is still under way
 """
 import argparse
 import json
@@ -199,8 +200,11 @@ class Double:
         if words[0] == "machine":
             return {"position": self.machine.position, "moving": self.machine.moving(), "moved": self.moved, "depth": self.machine.depth(),
                     "told": self.told, "deepest": self.deepest}
+        if words[0] == "line":
+            return {"heard": self.heard, "waiting": len(self.outgoing)}
         return self.command(words)
 
+    heard = 0
     deepest, moved = -1e9, 0.0
 
     def run(self):
@@ -263,6 +267,7 @@ class Double:
             return
         if self.fault == "off":
             return
+        self.heard += 1
         self.received(one, data)
 
 

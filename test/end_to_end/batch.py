@@ -14,7 +14,7 @@ import time
 ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", ".."))
 MM = os.environ["MM"]
 THOROUGH = any(os.environ.get(name, "0") not in ("", "0") for name in ("MM_THOROUGH_TESTS", "MM_LONG_TESTS"))
-MACHINES = int(os.environ.get("MACHINES", "6" if THOROUGH else "3"))
+MACHINES = int(os.environ.get("MACHINES", "6" if THOROUGH else "2"))
 SESSIONS = int(os.environ.get("SESSIONS", "4" if THOROUGH else "2"))
 KILLS = int(os.environ.get("KILLS", "4" if THOROUGH else "2"))
 STEPS = os.environ.get("STEPS", "check,calibrate,diagnose")
@@ -98,7 +98,7 @@ def try_one_process(fleet, work, first):
         with open(path, encoding="utf-8") as file:
             inside += sum(float(line.split()[2]) / 1000.0 for line in file)
     FIGURES["overhead_ms_a_job"] = 1000.0 * (seconds - inside) / (MACHINES * SESSIONS)
-    bags = sorted(glob.glob(fleet + "/m*/*.bag"))[:12]
+    bags = sorted(glob.glob(fleet + "/m*/*.bag"))[:12 if THOROUGH else 2]
     begun, wrong = time.monotonic(), []
     for bag in bags:
         typed = os.path.join(work, "typed.yaml")

@@ -174,14 +174,15 @@ def judge(work, made, steps, answers, most, what):
         "more than %g um, or than a twentieth of the RMS" % most)
 
 
-def both_ways(degrees):
-    """Each axis alone over its travel, eleven places upwards and eleven downwards."""
+def both_ways(degrees, axes=(0, 1, 2), places=11):
+    """Each of these axes alone over its travel, so many places upwards and as many downwards."""
     steps = []
     travel = [(-11.0, 11.0), (-6.0, 26.0), (-8.0, 6.0)]
-    for axis, (low, high) in enumerate(travel):
+    for axis in axes:
+        low, high = travel[axis]
         for way in (1, -1):
-            for n in range(11):
-                share = n / 10.0 if way > 0 else 1 - n / 10.0
+            for n in range(places):
+                share = n / (places - 1.0) if way > 0 else 1 - n / (places - 1.0)
                 place = [0.3, 5.2, -1.1]
                 place[axis] = round(low + share * (high - low), 3)
                 begin = [p - 0.4 for p in place]  # the other axes arrive upwards
@@ -272,7 +273,7 @@ def table_active():
             for x in range(-14, 15, 2):
                 error = 1e-3 * (0.6 * (x / 10) + 1.0 * (x / 10) ** 2)
                 file.write("%d %.7f %.7f\n" % (x, 0.0017 - error, -0.0017 - error))
-        steps = both_ways({})
+        steps = both_ways({}, axes=(0, 1), places=7)
         measured = driven(machine_with(os.path.join(work, "measured"), active), steps)
         if len(measured) != len(steps):
             return

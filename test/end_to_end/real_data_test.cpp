@@ -96,17 +96,11 @@ TEST(RealData, FrameThermalDiagnosisNamesNothingTwice) {
   calibrated(work, csv, "  - {type: thermal_growth, direction: z, sensor: frame}\n",
              "--method least_squares");
   const std::string diagnose = "diagnose " + work / "s.bag" + " --calibration " + work / "c.yaml" + " --json";
-  const nlohmann::json beside = mmRun(work, diagnose).json();
-  ASSERT_FALSE(beside["missing"].empty());
-  EXPECT_EQ(beside["missing"][0]["effect"]["sensor"], "bed") << beside["missing"];
-
-  const std::string nothing = work.write("n.yaml", "machine: three_axis\neffects: []\n");
-  ASSERT_EQ(
-      mmRun(work, "calibrate " + work / "s.bag" + " --model " + nothing + " -o " + work / "c.yaml").status,
-      0);
+  const nlohmann::json missing = mmRun(work, diagnose).json()["missing"];
+  ASSERT_GT(missing.size(), 1u);
+  EXPECT_EQ(missing[0]["effect"]["sensor"], "bed") << missing;
   std::set<std::string> names;
-  for (const auto& m : mmRun(work, diagnose).json()["missing"])
-    EXPECT_TRUE(names.insert(m["effect"].dump()).second) << m["effect"];
+  for (const auto& m : missing) EXPECT_TRUE(names.insert(m["effect"].dump()).second) << m["effect"];
 }
 
 /// What is left over bed and frame does not follow their temperatures: networks would make it worse, judged
@@ -209,6 +203,7 @@ TEST(RealData, LaserTable2ByThePenaltyObjective) {
 /// One printer, the same heating, four probes one after the other: what the heated nozzle does is the
 /// printer's; the bed warms the probe q5mc1, of which its owner says that it drifts most.
 TEST(RealData, FourProbesOfOnePrinter) {
+  MM_THOROUGH_ONLY("every day Placements.WhatOneStylusDoesIsItsOwn asks it of simulated styli");
   MM_NEEDS_SHARED_DATA(folder, "z_probes");
   const TestFolder work;
   std::string styli = "name: place\nprobe:\n  styli:\n", bags;

@@ -15,7 +15,7 @@ from measuring_machine.msg import MeasureAction, MeasureGoal, MoveAction, MoveGo
 import cycle_support
 import support
 
-PLAN = os.path.join(support.PACKAGE, "test/ros/grbl_plan.yaml")
+PLAN, TOUCHES = "test/ros/grbl_plan.yaml", 8
 CENTRE, DISTANCE, SCALE = (0.030, 0.030, 0.020), 0.009, (1.0005, 1.0, 1.0)  # m, of the double: ball and tip
 ZERO = 0.040  # m: the double's scales count from its own zero, there on the joints
 
@@ -24,6 +24,8 @@ class GrblProbe(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.double, cls.contacts, cls.said = support.Double(25918), [], []
+        cls.work = support.folder()
+        cls.plan = support.shorter_plan(os.path.join(cls.work, "plan.yaml"), TOUCHES, PLAN)
         rospy.Subscriber("probe/contact", ProbeContact, cls.contacts.append)
         rospy.Subscriber("/diagnostics", DiagnosticArray, lambda m: cls.said.extend(s.message for s in m.status))
         cls.axes = actionlib.SimpleActionClient("axis_driver/move", MoveAction)
@@ -32,6 +34,7 @@ class GrblProbe(unittest.TestCase):
 
     @classmethod
     def tearDownClass(cls):
+        support.remove(cls.work)
         support.remove(rospy.get_param("/compensation/store"))
 
     def setUp(self):
@@ -41,7 +44,7 @@ class GrblProbe(unittest.TestCase):
         self.said.clear()
 
     def run_plan(self):
-        self.measure.send_goal(MeasureGoal(plan=PLAN))
+        self.measure.send_goal(MeasureGoal(plan=self.plan))
         self.assertTrue(support.ended(self.measure, 90))
         return self.measure.get_state(), self.measure.get_result()
 
@@ -59,9 +62,9 @@ class GrblProbe(unittest.TestCase):
         if state != GoalStatus.SUCCEEDED:
             self.assertIn("in a row without a contact", result.message)
         else:
-            self.assertEqual(result.contacts + result.missed, 20, result.message)
+            self.assertEqual(result.contacts + result.missed, TOUCHES, result.message)
         # Where the switch closes is by chance: now and then it is no touch that meets it. What is missed is said.
-        if result.contacts < 20:
+        if result.contacts < TOUCHES:
             self.assertRegex(result.message, "tried again|set aside|closed again on the way back|in a row without a contact")
         if result.contacts == 0:
             self.assertTrue(support.wait_until(lambda: any("the probe opened again at once" in s for s in self.said)), set(self.said))
@@ -124,7 +127,7 @@ class GrblProbe(unittest.TestCase):
     def test_5_and_it_measures_again(self):
         self.away_from_the_ball()
         state, result = self.run_plan()
-        self.assertEqual((state, result.contacts, result.missed), (GoalStatus.SUCCEEDED, 20, 0), result.message)
+        self.assertEqual((state, result.contacts, result.missed), (GoalStatus.SUCCEEDED, TOUCHES, 0), result.message)
 
 
 if __name__ == "__main__":

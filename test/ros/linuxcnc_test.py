@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Sixty touches (24 every day) of LinuxCNC's own pretended hemisphere, in work coordinates that are turned: its centre and its radius
+"""Sixty touches (12 every day) of LinuxCNC's own pretended hemisphere, in work coordinates that are turned: its centre and its radius
 are found within the way of a servo period. Before that: what another client of LinuxCNC, a feed hold, a limit switch and the end of the
 driver do. The test looks through linuxcncrsh, which the driver does not use."""
 import json
@@ -189,7 +189,7 @@ class LinuxCncTest(unittest.TestCase):
         client = Client()
         client.mdi("G10 L2 P1 X7 Y-3 Z2 R37", "G92 X1 Y2 Z3", "G43.1 Z7", "G20 G91")
         client.close()
-        touches = 60 if support.thorough_tests() else 24
+        touches = 60 if support.thorough_tests() else 12
         plan = os.path.join(self.work, "plan.yaml")
         with open(os.path.join(FOLDER, "plan.yaml")) as all_of_them, open(plan, "w") as those:
             those.write(all_of_them.read().replace("points: 60", "points: %d" % touches))

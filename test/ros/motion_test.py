@@ -1,11 +1,6 @@
 #!/usr/bin/env python3
-"""Motion that stops: in a plan's wait, under every load, at a collision; one owner; a device that breaks is said and moves nothing."""
+"""Motion that stops: in a plan's wait, at a collision; one owner; a device that breaks is said and moves nothing."""
 import math
-import os
-import subprocess
-import sys
-import threading
-import time
 import unittest
 
 import actionlib
@@ -161,65 +156,10 @@ class Motion(unittest.TestCase):
         self.assertTrue(self.call("axis_driver/resume").success)
         self.assertEqual(self.end()[1].outcome, MoveResult.REACHED)
 
-    def test_6_emergency_stop_under_load(self):
-        """From the call to the answer, which comes after the controller was told."""
-        emergency = rospy.ServiceProxy("axis_driver/emergency_stop", SetBool, persistent=True)
-        threads, processes, flood = [], [], [True]
-
-        def homes():
-            for _ in range(5):
-                one = threading.Thread(target=lambda: rospy.ServiceProxy("axis_driver/home", Trigger)())
-                one.start()
-                threads.append(one)
-
-        def goals():
-            def run():
-                out = rospy.Publisher("axis_driver/move/goal", MoveActionGoal, queue_size=1000)
-                while flood[0]:
-                    goal = MoveActionGoal(goal=MoveGoal(name=["x"], position=[0.001]))
-                    goal.goal_id.id = "/flood-%d" % time.monotonic_ns()
-                    out.publish(goal)
-                    time.sleep(0.002)
-            threads.append(threading.Thread(target=run))
-            threads[-1].start()
-
-        def stuck():
-            self.call("axis_driver/break_device", BreakDevice, fault="stuck")
-
-        def busy():
-            for _ in range(4):
-                processes.append(subprocess.Popen([sys.executable, "-c", "while True: pass"]))
-
-        for name, load in (("nothing", lambda: None), ("five calls of home", homes), ("500 goals a second", goals),
-                           ("a device that does not answer", stuck), ("four busy processes", busy)):
-            self.home()
-            load()
-            took = []
-            for _ in range(10):
-                began = time.monotonic()
-                answer = emergency(True)
-                took.append(1e3 * (time.monotonic() - began))
-                self.assertTrue(answer.success, answer.message)
-                time.sleep(0.05)
-            flood[0] = False
-            for one in threads:
-                one.join()
-            for one in processes:
-                one.kill()
-                one.wait()
-            self.call("axis_driver/break_device", BreakDevice, fault="ok")
-            print("emergency stop, load %s: median %.1f ms, largest %.1f ms" % (name, sorted(took)[5], max(took)))
-            # Promised are 50 ms, 99 times in a hundred, to whom the computer lets run. One that waits for homing or a device takes seconds.
-            self.assertLess(sorted(took)[5], 50.0, name)
-            self.assertLess(max(took), 500.0, name)
-            self.assertFalse(self.call("axis_driver/home").success)
-            self.assertTrue(support.wait_until(lambda: emergency(False).success, 5))
-            self.start([0.0, 0.0, 0.010])
-            self.assertIn("not homed", self.end()[1].message)
-            flood[0] = True
-
-    def test_7_every_fault_of_the_device_is_said(self):
-        for fault in ("off", "stuck", "garbage", "wrong", "slow", "intermittent"):
+    def test_6_every_fault_of_the_device_is_said(self):
+        # every day what test_drivers asks of the control for each fault is asked of the node for two
+        every = ("off", "stuck", "garbage", "wrong", "slow", "intermittent")
+        for fault in every if support.thorough_tests() else ("stuck", "wrong"):
             self.home()
             self.go([0.0, 0.0, 0.010])
             self.start([0.018, 0.0, 0.010], linear_speed=0.003)
@@ -243,7 +183,7 @@ class Motion(unittest.TestCase):
             self.assertNotEqual(fault, "slow", result.message)
             self.assertIn("not homed", result.message, fault)
 
-    def test_8_joint_states_and_status_agree_on_the_zero(self):
+    def test_7_joint_states_and_status_agree_on_the_zero(self):
         """Also where the controller still believes in one: as a homing is asked for, and in an emergency stop."""
         statuses = []
         rospy.Subscriber("axis_driver/status", AxisStatus, statuses.append, queue_size=None)

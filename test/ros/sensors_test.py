@@ -64,7 +64,7 @@ class Sensors(unittest.TestCase):
                     self.hears(others)  # which are not kept waiting
                 if fault == "wrong":  # for longer than a body needs for 20 K as fast as it can
                     since = {name: len(self.heard[name]) for name in names}
-                    self.hears(others, 40, readings=60)
+                    self.hears(others, 40, readings=30)
                     self.assertEqual(since, {name: len(self.heard[name]) for name in names}, "believed after a while")
                 if fault == "slow":
                     self.hears(names)

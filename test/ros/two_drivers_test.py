@@ -41,7 +41,7 @@ class TwoDrivers(unittest.TestCase):
 
     def touch(self):
         """From beside the ball into it, along x."""
-        result = self.move("axis_driver", x=0.0, y=0.0, linear_speed=0.02)
+        result = self.move("axis_driver", x=0.006, y=0.0, linear_speed=0.02)
         self.assertEqual(result.outcome, MoveResult.REACHED, result.message)
         result = self.move("axis_driver", kind=MoveGoal.PROBE, x=0.015, linear_speed=0.001)
         self.assertEqual(result.outcome, MoveResult.TRIPPED, result.message)
@@ -62,7 +62,7 @@ class TwoDrivers(unittest.TestCase):
 
     def test_2_a_joint_in_motion_is_no_contact(self):
         self.contacts.clear()
-        self.move("axis_driver", x=0.0, y=0.0, linear_speed=0.02)
+        self.move("axis_driver", x=0.006, y=0.0, linear_speed=0.02)
         self.move("z_driver", wait=False, z=-0.0125, linear_speed=0.001)  # for 25 s
         self.assertTrue(support.wait_until(lambda: self.moving.get("z")))
         self.said.clear()

@@ -33,7 +33,11 @@ class FakeController final : public AxisController {
     return can;
   }
   AxesState poll(double elapsed) override {
-    while (block && !ended) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    while (block && !ended) {
+      blocked = true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    blocked = false;
     if (away) down_ = true;
     if (down_) throw std::runtime_error("the cable is out");
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -102,7 +106,7 @@ class FakeController final : public AxisController {
     changed(state_);
   }
 
-  std::atomic<bool> block{false}, ended{false}, away{false}, frozen{false}, homesByAxis{true};
+  std::atomic<bool> block{false}, blocked{false}, ended{false}, away{false}, frozen{false}, homesByAxis{true};
   std::atomic<bool> blockTemperatures{false};
   std::atomic<bool> leaving{false};  // the last motion, as it was told
   std::atomic<int> stops{0}, emergencies{0}, moves{0}, reconnects{0};

@@ -9,6 +9,7 @@
 #include "benchmark_session.h"
 #include "benchmark_trial.h"
 #include "formula_judge.h"
+#include "long_tests.h"
 #include "session/plan.h"
 #include "simulation/simulate.h"
 
@@ -236,6 +237,7 @@ TrialOptions smallTrial(int effects) {
 }
 
 TEST(Trial, HidesTheSameOnARoughMachine) {
+  MM_THOROUGH_ONLY("every day Roughness.WhatIsHiddenIsTheSameOnARoughMachine stands for it");
   const Machine machine = Machine::load("three_axis");
   TrialOptions options = smallTrial(2);
   const Trial smooth = runTrial(machine, options, 4);

@@ -92,7 +92,7 @@ TEST(Cancel, KeepsTheBestSoFarWheneverItComes) {
   const Session session = plate({});
   Clock whole;
   calibrated(session, whole, Method::kStagedMutation);
-  const int parts = mm_test::thoroughTests() ? 6 : 3;
+  const int parts = mm_test::thoroughTests() ? 6 : 2;
   for (int part = 0; part < parts; ++part) {
     Clock clock(1 + part * (whole.count() - 1) / parts);
     const CalibrationResult r = calibrated(session, clock, Method::kStagedMutation);
@@ -116,7 +116,7 @@ TEST(Cancel, EndsADiagnosisWhereverItIs) {
   diagnosed(whole);
   EXPECT_LT(whole.longest(), kLongest);
   EXPECT_GT(whole.count(), 100);
-  const int parts = mm_test::thoroughTests() ? 8 : 3;
+  const int parts = mm_test::thoroughTests() ? 8 : 2;
   for (int part = 0; part < parts; ++part) {
     Clock clock(1 + part * (whole.count() - 1) / parts);
     EXPECT_THROW(diagnosed(clock), Cancelled) << "asked at " << clock.count() << " of " << whole.count();

@@ -11,6 +11,7 @@
 #include "effects/registry.h"
 #include "long_tests.h"
 #include "model/observed_domain.h"
+#include "posterior/slots.h"
 #include "simulation/simulate.h"
 
 namespace mm {
@@ -33,13 +34,21 @@ bool names(const Diagnosis& d, const std::string& type, const std::string& key, 
   });
 }
 
+/// Causes that are given more than an even chance.
+long likely(const Diagnosis& d) {
+  return std::count_if(d.candidates.begin(), d.candidates.end(),
+                       [](const CandidateResult& c) { return c.odds > 0.5; });
+}
+
 TEST(Diagnose, ClaimsNothingWhereNothingIsHidden) {
-  for (std::uint64_t seed : {11, 12, 13, 14, 15}) {
+  for (std::uint64_t seed = 11; seed <= (mm_test::thoroughTests() ? 15 : 12); ++seed) {
     const Simulation s = measured({}, seed);
     const Diagnosis d = diagnosed(s.session);
     EXPECT_EQ(d.verdict, Verdict::kExplained) << d.sentence;
     EXPECT_TRUE(d.missing.empty());
     EXPECT_TRUE(d.formulas.empty());
+    EXPECT_TRUE(d.profiles.empty());
+    EXPECT_EQ(likely(d), 0);
   }
 }
 
@@ -51,8 +60,6 @@ TEST(Diagnose, FindsHiddenBacklashWithItsSizeAndStopsWhenItIsAdded) {
   EXPECT_EQ(d.missing[0].effect, EffectSpec("backlash").set("axis", "x"));
   EXPECT_NEAR(d.missing[0].parameters[0].value, 3.0, 4.0 * d.missing[0].parameters[0].std + 0.03);
   EXPECT_LT(d.missing[0].pValue, 1e-10);
-  EXPECT_LT(d.missing[0].heldOutAfter,
-            1.08 * kNoise);  // the noise drawn in this session is 1.045 of the plan's
   // what resembles it depends on many variables alone, and on none beside the first; the same for the causes
   EXPECT_EQ(d.where[0].variable, "x travel direction");
   EXPECT_GT(std::count_if(d.where.begin(), d.where.end(), [](const auto& w) { return w.pValue < 1e-3; }), 2);
@@ -63,18 +70,29 @@ TEST(Diagnose, FindsHiddenBacklashWithItsSizeAndStopsWhenItIsAdded) {
   EXPECT_GT(std::count_if(d.candidates.begin(), d.candidates.end(), imitates), 2);
   for (std::size_t k = 1; k < d.candidates.size(); ++k)
     EXPECT_LT(d.candidates[k].odds, 0.05) << d.candidates[k].effect.yaml();
+  EXPECT_EQ(likely(d), 1);
+  EXPECT_GT(d.missing[0].odds, 0.99 * kOfThisWorld);
+  for (const CandidateResult& c : d.candidates)
+    EXPECT_LE(c.odds, kOfThisWorld) << "no model is surer than it has been right: " << c.effect.yaml();
 
   const Diagnosis after = diagnosed(s.session, {d.missing[0].effect});
   EXPECT_EQ(after.verdict, Verdict::kExplained) << after.sentence;
+  // what was held out is predicted nearly as well as what was fitted: by the noise that this session has
+  EXPECT_LT(d.missing[0].heldOutAfter, 1.05 * after.base.figures.rms);
 }
 
 TEST(Diagnose, FindsTwoEffectsOneAfterTheOther) {
   const Simulation s = measured({"backlash:y=3um", "thermal_growth:z/bed=0.6um/K"}, 6);
   const Diagnosis d = diagnosed(s.session);
-  EXPECT_TRUE(names(d, "backlash", "axis", "y")) << d.sentence;
-  EXPECT_TRUE(names(d, "thermal_growth", "direction", "z")) << d.sentence;
-  for (std::size_t i = 1; i < d.missing.size(); ++i)
-    EXPECT_EQ(d.missing[i].heldOutBefore, d.missing[i - 1].heldOutAfter);
+  ASSERT_EQ(d.missing.size(), 2u) << d.sentence;
+  const CandidateResult &play = d.missing[0], &growth = d.missing[1];
+  EXPECT_EQ(play.effect, EffectSpec("backlash").set("axis", "y")) << d.sentence;
+  EXPECT_EQ(growth.effect, EffectSpec("thermal_growth").set("direction", "z").set("sensor", "bed"))
+      << d.sentence;
+  EXPECT_NEAR(play.parameters[0].value, 3.0, 3.0 * play.parameters[0].std) << d.sentence;
+  EXPECT_NEAR(growth.parameters[0].value, 0.6, 3.0 * growth.parameters[0].std) << d.sentence;
+  EXPECT_LT(play.heldOutAfter, 0.7 * play.heldOutBefore) << "each predicts by itself";
+  EXPECT_LT(growth.heldOutAfter, 0.7 * growth.heldOutBefore);
 }
 
 /// Five balls measured one after another, and five errors of the machine.
@@ -93,6 +111,7 @@ TEST(Diagnose, AScaleIsNotTakenForAnExpansionOfFortyTimesSteel) {
     for (const Confusable& c : m.confusableWith)
       EXPECT_EQ(c.effect.type.find("expansion"), std::string::npos) << d.sentence;
   }
+  EXPECT_TRUE(d.artifactScatter.empty()) << "balls that lie where they should";
   // four of the five balls are enough to find all of it
   EXPECT_LT(d.missing.back().heldOutAfter, 0.4e-6) << d.sentence;
 }
@@ -118,9 +137,6 @@ TEST(Diagnose, APlateBesideItsKnownPlaceHidesNothing) {
     EXPECT_EQ(d.artifactScatter[0].what, "datum");
     EXPECT_NEAR(d.artifactScatter[0].std, beside.norm(), 0.6e-6) << d.artifactScatter[0].inWords;
   }
-  // and one that lies where it should says nothing of it
-  const Diagnosis there = diagnosed(measuredOnFiveBalls(11).session);
-  EXPECT_TRUE(there.artifactScatter.empty()) << there.artifactScatter[0].inWords;
 }
 
 TEST(Diagnose, AnExpansionThatIsNotUsualIsNamedWhereTheTemperatureTells) {
@@ -237,6 +253,7 @@ TEST(Diagnose, TheMovesTellConfusableEffectsApart) {
   ASSERT_EQ(d.verdict, Verdict::kConfusable) << d.sentence;
   EXPECT_EQ(d.missing[0].effect.type, "backlash") << "of causes that act alike the commoner is named";
   EXPECT_FALSE(d.nextMeasurement.empty());
+  EXPECT_FALSE(d.missing[0].confusableWith.empty()) << d.sentence;
   for (const Confusable& rival : d.missing[0].confusableWith) {
     EXPECT_FALSE(rival.same) << rival.effect.yaml();  // at two speeds they differ
     EXPECT_NE(rival.moves.find(std::to_string(d.nextMeasurement.size()) + " proposed moves differ by"),

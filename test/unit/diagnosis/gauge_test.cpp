@@ -42,8 +42,12 @@ TEST(Gauge, LostZerosDoNotHideAMissingEffect) {
     const CalibrationResult fitted = calibrate(session, zerosOf(session), options);
     const Diagnosis d = diagnose(session, zerosOf(session), {}, fitted.x.head(2));
     EXPECT_NEAR(d.base.figures.rmsAngular / fitted.figures.rmsAngular, 1.0, 1e-6);
-    ASSERT_FALSE(d.missing.empty()) << d.sentence;
-    EXPECT_LT(d.missing.back().heldOutAfter, 2.2 * kArcsecond);
+    ASSERT_EQ(d.missing.size(), 1u) << d.sentence;
+    EXPECT_EQ(d.missing[0].effect, EffectSpec("rotary_axis_tilt").set("joint", "tilt").set("about", "x"))
+        << d.sentence;
+    const NamedValue& tilt = d.missing[0].parameters[0];
+    EXPECT_NEAR(tilt.value, -7.4, 3.0 * tilt.std) << d.sentence;
+    EXPECT_LT(d.missing[0].heldOutAfter, 2.2 * kArcsecond);
   }
 }
 

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,7 +36,7 @@ using Error = std::function<double(double, double)>;
 
 /// @param memory s, of noise of 1 um; 0: none. @param error what each run has alike. @param step mm.
 Diagnosis diagnosisOf(double memory, const Error& error, std::uint64_t seed, double noise = kNoise,
-                      double step = 1.0) {
+                      double step = 1.0, const std::vector<EffectSpec>& effects = {}) {
   constexpr double kPause = 4.0;  // s
   const int targets = static_cast<int>(std::lround(kTravel / step)) + 1;
   RandomNumbers random(seed);
@@ -56,8 +55,7 @@ Diagnosis diagnosisOf(double memory, const Error& error, std::uint64_t seed, dou
         session.observations.back().row = static_cast<int>(session.observations.size()) + 1;
       }
   session.prepare();
-  Diagnosis d =
-      diagnose(session, Model(session.machine, observedDomain(session), std::vector<EffectPtr>()), {});
+  Diagnosis d = diagnose(session, Model(session.machine, observedDomain(session), effects), {});
   d.base.problem.reset();  // it refers to the session
   return d;
 }
@@ -136,12 +134,15 @@ TEST(PlaceOrTime, APlayThatIsLargerAtOnePlaceIsNoCycleInTime) {
     const double apart = (x - 14.0) / 4.0;
     return 1.0 * x / 10.0 - 0.5 * way * (4.0 + 3.0 * std::exp(-0.5 * apart * apart));
   };
+  const std::vector<EffectSpec> model = {EffectSpec("backlash").set("axis", "x"),
+                                         EffectSpec("scale").set("axis", "x")};
   for (const std::uint64_t seed : {1, 2, 3, 4}) {
-    const Diagnosis d = diagnosisOf(0.0, worn, seed, 0.25);
-    std::set<std::string> types;
-    for (const CandidateResult& m : d.missing) types.insert(m.effect.type);
-    EXPECT_EQ(types, (std::set<std::string>{"backlash", "scale"})) << d.sentence;
+    const Diagnosis d = diagnosisOf(0.0, worn, seed, 0.25, 1.0, model);
+    EXPECT_TRUE(d.missing.empty()) << d.sentence;
     EXPECT_TRUE(d.drift.empty()) << d.sentence;
+    ASSERT_EQ(d.variations.size(), 1u) << d.sentence;
+    EXPECT_EQ(d.variations[0].effect, model[0]) << d.sentence;
+    EXPECT_EQ(d.variations[0].along, "x") << d.sentence;
   }
 }
 

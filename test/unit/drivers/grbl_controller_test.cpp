@@ -117,12 +117,15 @@ TEST_F(GrblTest, StopRestsKeepsThePositionAndHoming) {
 TEST_F(GrblTest, AReportFromBeforeAStopDoesNotEndIt) {
   begin();
   ASSERT_EQ(arrive(kNear).outcome, Outcome::kReached);
-  for (int i = 0; i < 7; ++i) {
+  for (int i = 0; i < 4; ++i) {
     // More than one question is open then; what answers the second one left the control before the stop. What
-    // is later than a question waits is taken for the answer to the next one.
-    const bool later = i >= 4;
-    double_->tell(later ? "fault slow 0.55" : "fault slow");
-    std::this_thread::sleep_for(std::chrono::milliseconds(later ? 600 + 60 * (i - 4) : 320 + 30 * i));
+    // is later than a question waits is taken for the answer to the next one. The stop comes before the
+    // answer to the first question, or after it.
+    double_->tell(i < 2 ? "fault slow" : "fault slow 0.55");
+    ASSERT_TRUE(await([&] { return double_->tell("line")["waiting"] >= 2; }));
+    if (i % 2 == 1) {
+      ASSERT_TRUE(await([&] { return double_->tell("line")["waiting"] == 1; }));
+    }
     refusal([&] { control_->stop("/panel"); });
     double_->tell("fault ok");
     ASSERT_TRUE(await([&] { return control_->view().lost.empty() && !control_->view().state.moving; }, 10.0));
@@ -151,7 +154,8 @@ TEST_F(GrblTest, HoldResumeOverride) {
   control_->hold(true);
   ASSERT_TRUE(await([&] { return control_->view().state.held; }));
   const double there = shown(0);
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  const int heard = double_->tell("line")["heard"];
+  ASSERT_TRUE(await([&] { return double_->tell("line")["heard"] > heard + 10; })) << "reports go on";
   EXPECT_EQ(shown(0), there);
   control_->hold(false);
   EXPECT_EQ(report.get().outcome, Outcome::kReached);
@@ -188,7 +192,8 @@ TEST_F(GrblTest, EmergencyStopReachesTheControlWhateverItDoes) {
   for (const char* fault : {"ok", "stuck", "garbage", "slow", "intermittent"}) {
     auto report = start({-60, 34, 36}, 0.02);
     double_->tell(std::string("fault ") + fault);
-    if (std::string(fault) != "ok") std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    const int before = double_->tell("line")["heard"];
+    ASSERT_TRUE(await([&] { return double_->tell("line")["heard"] > before + 1; })) << "asked again under it";
     const double asked = steadySeconds();
     EXPECT_EQ(control_->emergencyStop("/panel"), "") << fault;
     ASSERT_TRUE(await([&] { return !double_->tell("machine")["moving"].get<bool>(); })) << fault;

@@ -427,7 +427,7 @@ TEST_F(LinuxCncTest, AFaultThatSwitchesItOffIsSaidInItsWords) {
   expectWords(report.message, "joint 1 following error");
   ASSERT_TRUE(await([&] { return control_->view().state.alarm.present(); }));
   expectWords(control_->view().fault, "joint 1 following error");
-  std::this_thread::sleep_for(std::chrono::milliseconds(400));
+  ASSERT_FALSE(await([&] { return !control_->view().state.alarm.present(); }, 0.4)) << "it stays off";
   double_->tell("say a command was refused");
   EXPECT_FALSE(await([&] { return control_->view().fault.find("refused") != std::string::npos; }, 0.3))
       << "what is said later is not why it went off: " << control_->view().fault;

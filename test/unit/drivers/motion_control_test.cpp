@@ -208,7 +208,7 @@ TEST_F(MotionControlTest, AnEmergencyStopWaitsForNothing) {
   home();
   auto report = start({0.010, 0.0, 0.0});
   controller_->block = true;  // its poll does not return
-  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  ASSERT_TRUE(await([&] { return controller_->blocked.load(); }));
   std::vector<std::thread> crowd;
   for (int i = 0; i < 5; ++i) crowd.emplace_back([&] { refusal([&] { home(); }); });
   for (int i = 0; i < 5; ++i) crowd.emplace_back([&] { refusal([&] { control_->clearAlarm(); }); });
