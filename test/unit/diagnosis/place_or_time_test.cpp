@@ -14,6 +14,7 @@
 #include "deviations.h"
 #include "diagnosis/diagnose.h"
 #include "diagnosis/shape_maker.h"
+#include "effects/profile.h"
 #include "effects/registry.h"
 #include "estimation/calibrate.h"
 #include "model/observed_domain.h"
@@ -144,6 +145,15 @@ TEST(PlaceOrTime, APlayThatIsLargerAtOnePlaceIsNoCycleInTime) {
     EXPECT_EQ(d.variations[0].effect, model[0]) << d.sentence;
     EXPECT_EQ(d.variations[0].along, "x") << d.sentence;
   }
+}
+
+// What is known beforehand of a profile's weights are rows that no observation has: a play beside it changes
+// along the axis in the others alone.
+TEST(PlaceOrTime, AProfileInTheModelHasRowsOfItsOwn) {
+  const auto play = [](double x, double way) { return -2.0 * way + std::sin(kPi * x / kTravel); };
+  const Diagnosis d = diagnosisOf(0.0, play, 1, 0.25, 1.0,
+                                  {EffectSpec("backlash").set("axis", "x"), profileSpec("x", {"x"})});
+  EXPECT_EQ(d.verdict, Verdict::kExplained) << d.sentence;
 }
 
 // A play is a lost motion that is lost at once: what is said of the two is not that nothing would tell.
