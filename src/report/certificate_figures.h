@@ -51,6 +51,7 @@ struct LengthTable {
   PermissibleError least;       // that every sum keeps
   double wholeTest = 0.0;       // expected largest |E| of all measurements of the test, um
 };
+/// Every measured length of a task with its reference and its error. @param task lengths in one position.
 LengthTable lengthTable(const TaskUncertainty& task);
 
 /// What of the artifact's uncertainty is not stated, each with the line that would state it; empty: it is all
