@@ -30,6 +30,7 @@ constexpr double kUsualOfBound =
 constexpr int kMostMissing = 10;  // an input may be unknown in one of so many rows
 
 constexpr int kCurveAlong = 8;      // functions of the curve by which a size changes along a joint
+constexpr double kAsALine = 0.5;    // RMS of a function, about that of a line from -1 to 1
 constexpr double kRoughness = 1.0;  // of that curve: wear is local (SmoothBasis)
 
 /// Of a joint in a row, -1 to 1 over what the session covers of it; 0: it never moved.
@@ -258,8 +259,8 @@ RowMatrix curveAlong(const Problem& problem, const std::vector<int>& rows, int j
     const auto row = static_cast<Eigen::Index>(i);  // of data: what a session knows beforehand stands below
     for (int f = 0; f < kCurveAlong; ++f)
       all.row(row).segment(f * columns.cols(), columns.cols()) =
-          std::min(1.0, curve.priorStd(f) / curve.priorStd(1)) * values[static_cast<std::size_t>(f)] *
-          columns.row(row);
+          kAsALine * std::min(1.0, curve.priorStd(f) / curve.priorStd(1)) *
+          values[static_cast<std::size_t>(f)] * columns.row(row);
   }
   return all;
 }
