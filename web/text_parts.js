@@ -106,9 +106,9 @@ function roundDown(value) {
   const decade = 10 ** Math.floor(Math.log10(value));
   return [5, 2, 1].map((f) => f * decade).find((f) => f <= value * 1.0001);
 }
-/** A whole number with a narrow space before each three digits. */
 /** "Vectors are drawn …": how much longer than they are. */
 const drawnLonger = (times) => (times === 1 ? "to scale" : grouped(times) + " times longer than they are");
+/** A whole number with a narrow space before each three digits. */
 const grouped = (value) => String(value).replace(/\B(?=(\d{3})+$)/g, "\u202f");
 /** Length of the longest side of the box around points. */
 const longestSide = (points) => Math.max(...[0, 1, 2].map((k) => Math.max(...points.map((p) => p[k])) - Math.min(...points.map((p) => p[k]))));

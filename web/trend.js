@@ -19,7 +19,7 @@ function trendFigure(t) {
   const title = t.effect_in_words + ", " + t.name;
   return figure({
     name: title, label: title + " in " + t.points.length + " calibrations: " + t.in_words,
-    caption: t.significant ? said(t.in_words) + " (k = 2), p " + pValue(t.p_value) : known(t.per_30_days) ? "No significant trend: " + plusMinus(t.per_30_days, t.per_30_days_k2 / 2, t.unit) + " in 30 days (k = 2), p " + pValue(t.p_value) : "No trend can be told.",
+    caption: t.significant ? said(t.in_words) + ", p " + pValue(t.p_value) : known(t.per_30_days) ? "No significant trend: " + plusMinus(t.per_30_days, t.per_30_days_k2 / 2, t.unit) + " in 30 days (k = 2), p " + pValue(t.p_value) : "No trend can be told.",
     make: (c) => {
       const points = (list, hollow) => ({ x: list.map((p) => p.measured), y: list.map((p) => p.value), error_y: { type: "data", array: list.map((p) => p.k2), color: c.soft, thickness: 1.2, width: 3 },
         mode: "markers", type: "scatter", marker: { size: 8, color: hollow ? c.card : c.accent, line: { color: c.accent, width: 1.5 } }, text: list.map((p) => plain(p.id)),

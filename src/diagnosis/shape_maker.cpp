@@ -29,9 +29,9 @@ constexpr double kUsualOfBound =
     0.1;                          // of the largest plausible size: what is met, where nothing else is known
 constexpr int kMostMissing = 10;  // an input may be unknown in one of so many rows
 
-constexpr int kCurveAlong = 8;      // functions of the curve by which a size changes along a joint
-constexpr double kAsALine = 0.5;    // RMS of a function, about that of a line from -1 to 1
-constexpr double kRoughness = 1.0;  // of that curve: wear is local (SmoothBasis)
+constexpr int kCurveAlong = 8;       // functions of the curve by which a size changes along a joint
+constexpr double kAsALine = 0.5;     // RMS of its functions; a line from -1 to 1 has 0.58, a parabola 0.45
+constexpr double kSmoothness = 1.0;  // of that curve (SmoothBasis): wear is local
 
 /// Of a joint in a row, -1 to 1 over what the session covers of it; 0: it never moved.
 double scaledPosition(const Problem& problem, int row, int joint) {
@@ -251,7 +251,7 @@ void varyAlong(const Problem& problem, const std::vector<int>& rows, int joint, 
 
 RowMatrix curveAlong(const Problem& problem, const std::vector<int>& rows, int joint,
                      const RowMatrix& columns) {
-  const SmoothBasis curve(kCurveAlong, kRoughness);
+  const SmoothBasis curve(kCurveAlong, kSmoothness);
   std::vector<double> values(kCurveAlong);
   RowMatrix all = RowMatrix::Zero(columns.rows(), kCurveAlong * columns.cols());
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -259,8 +259,8 @@ RowMatrix curveAlong(const Problem& problem, const std::vector<int>& rows, int j
     const auto row = static_cast<Eigen::Index>(i);  // of data: what a session knows beforehand stands below
     for (int f = 0; f < kCurveAlong; ++f)
       all.row(row).segment(f * columns.cols(), columns.cols()) =
-          kAsALine * std::min(1.0, curve.priorStd(f) / curve.priorStd(1)) *
-          values[static_cast<std::size_t>(f)] * columns.row(row);
+          kAsALine * curve.priorStd(f) / curve.priorStd(0) * values[static_cast<std::size_t>(f)] *
+          columns.row(row);
   }
   return all;
 }

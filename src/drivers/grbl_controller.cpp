@@ -107,8 +107,7 @@ void GrblController::awaitReady(double seconds) {
         if (report_.machine.size() < map_->needed())
           throw InputError(link_->address() + ": the control reports " +
                            std::to_string(report_.machine.size()) + " axes, " +
-                           std::to_string(map_->needed()) +
-                           " are needed; is its firmware built for that many axes?");
+                           std::to_string(map_->needed()) + " are needed; is it built for that many?");
         return requireSettings();
       }
       if (steadySeconds() >= next) {
@@ -244,8 +243,7 @@ AxesState GrblController::poll(double) {
     throw Error(link_->address() + text);
   }
   if (resetAsked_ && now - resetAt_ > kUnwelcome)
-    throw Error(link_->address() +
-                ": the controller did not respond to a reset; check its power supply and its cable");
+    throw Error(link_->address() + ": no response to a reset; check its power supply and its cable");
   // At rest after a reset nothing is reported for a while; what moves has the time of its reports.
   const bool beginsAnew = now - resetAt_ < silence_ && task_ == Task::kNone;
   if (quiet || beginsAnew) state_.time = std::max(state_.time, now);

@@ -65,8 +65,7 @@ std::string chainText(const Machine& machine, const std::vector<Iso230Axis>& axe
   std::string text = kinematicChain(machine) + " (w workpiece, b bed, t probe)", otherwise;
   for (std::size_t j = 0; j < axes.size(); ++j) {
     const std::string& joint = machine.joints()[j].name;
-    std::string letter = axes[j].name;
-    for (char& c : letter) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const std::string letter = lower(axes[j].name);
     if (!letter.empty() && letter != joint)
       otherwise += (otherwise.empty() ? "; joint " : ", ") + joint + " is " + axes[j].name;
   }

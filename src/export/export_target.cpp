@@ -53,7 +53,7 @@ std::string activeWords(const ExportTarget& target, const NeededCorrection& need
   }
   const std::string rest = left.empty() ? ""
                                         : " No table is written for " + listOf(left) +
-                                              "; existing compensation of it in the controller stays "
+                                              "; existing compensation of these axes in the controller stays "
                                               "unchanged.";
   switch (needed.compensation().stated) {
     case Stated::kNot:

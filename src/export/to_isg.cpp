@@ -238,6 +238,9 @@ void describeIsg(Exported& out) {
       "Angular errors (EAX and so on) are not written: the documents do not say about which point they turn "
       "a carriage. What angles do at the tip is in the grid, for the probe that was measured with: leave "
       "N0X, N0Y and N0Z out, or the control adds the length of the tool.",
+      "Where positions act together along a direction, one of its tables stands in the grid, and has the "
+      "grid's "
+      "points only: 16 to 31 an axis.",
       "No column tells the direction of travel or a temperature: reversals and growth by heat are left."};
 }
 
@@ -256,14 +259,14 @@ Exported toIsg(const NeededCorrection& needed, const ExportOptions&) {
   for (const std::size_t d : writeIsgErrors(needed, joints, tables, all, file))
     out.axes.insert(needed.axis(joints[d]).letter);
   if (out.axes.empty()) return out;
-  out.files = {
-      {"volcomp.csv", "the error table (ISG_CSV): mm", file.text()},
-      {"volcomp.lis", "the configuration of the volumetric compensation",
-       "# Logical axis numbers: change them where the control's differ.\nx 1\ny 2\nz 3\nchain XYZ\n"
-       "workpiece_axes 0\ninterpolation GRID\n# The whole path on the control:\nfile[0] volcomp.csv\n"
-       "file_format[0] ISG_CSV\n"},
-      {"startup.lis", "lines for the start-up list",
-       format("vol_comp[0].max_records %zu\nvol_comp[0].file_name volcomp.lis\n", file.records())}};
+  out.files = {{"volcomp.csv", "the error table (ISG_CSV): mm", file.text()},
+               {"volcomp.lis", "the configuration of the volumetric compensation",
+                "# Logical axis numbers: change them where the control's differ.\nx 1\ny 2\nz 3\nchain XYZ\n"
+                "workpiece_axes 0\nmanual_activation 1\ninterpolation GRID\n# The whole path on the "
+                "control:\nfile[0] volcomp.csv\n"
+                "file_format[0] ISG_CSV\n"},
+               {"startup.lis", "lines for the start-up list",
+                format("vol_comp[0].max_records %zu\nvol_comp[0].file_name volcomp.lis\n", file.records())}};
   out.notes.push_back(format("%zu records: ", file.records()) + joined(file.blocks(), "; ") + ".");
   return out;
 }

@@ -33,7 +33,7 @@ struct Finding {
   std::string date;     // of the change, as far as it has one
   double before = 0.0,
          after = 0.0;  // levels (in a drift: first and last value; apart: the sisters', its own)
-  /// Standard uncertainty of after - before, of `changed` and `drifts`; NaN: not told.
+  /// Standard uncertainty of after - before, of `changed`, `came_back` and `drifts`; NaN: not told.
   double std = std::numeric_limits<double>::quiet_NaN();
   double p = 1.0;  // of it by chance, for this question alone
 };

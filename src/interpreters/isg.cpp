@@ -87,7 +87,7 @@ void checkIsgList(const KeyedValues& list) {
   only("chain", {"XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"});
   only("workpiece_axes", {"0"});
   only("interpolation", {"GRID", "AUTO"});
-  only("use_axis_offsets", {"0", "FALSE"});
+  for (const char* key : {"use_axis_offsets", "alternative_model"}) only(key, {"0", "FALSE"});
   for (const std::string key : {"negate", "set_to_zero"})
     if (isgWord(list, key, "").find_first_not_of("XYZ") != std::string::npos)
       refuse(list.place(key), key + ": '" + list.find(key)->text + "' is no set of X, Y and Z, as in XY");

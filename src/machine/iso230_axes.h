@@ -29,9 +29,9 @@ struct Iso230Axis {
 /// One a joint, from workpiece to probe_tip.
 std::vector<Iso230Axis> iso230Axes(const Machine& machine);
 
-/// The kinematic chain from the workpiece w over the bed b to the probe t, as ISO 10791-6 writes it:
-/// "w-Y-X-b-Z-C-A-t". The bed is the link of the URDF where the branches of workpiece and probe_tip meet. An
-/// axis without a letter stands by its joint's name in quotes.
+/// The kinematic chain from the workpiece w over the bed b to the probe t, in the order of ISO 10791-6,
+/// without its primes: "w-Y-X-b-Z-C-A-t". The bed is the link of the URDF where the branches of workpiece and
+/// probe_tip meet. An axis without a letter stands by its joint's name in quotes.
 std::string kinematicChain(const Machine& machine);
 
 }  // namespace mm

@@ -1,6 +1,7 @@
 #include "report/certificate_figures.h"
 
 #include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
 #include "base/format.h"
@@ -55,10 +56,15 @@ StatedGroup parameterFigures(const Calibration& c) {
   StatedGroup group{FigureOrigin::kEstimated, "Parameters of the machine", {}};
   const ErrorSymbols symbols = symbolsOf(c);
   const bool normal = !(c.degreesOfFreedom > 0.0) || c.degreesOfFreedom >= kManyDegreesOfFreedom;
+  const std::string coverage =
+      normal ? "0.95"
+             : format("%.2f", 1.0 - 2.0 * boost::math::cdf(boost::math::complement(
+                                              boost::math::students_t(c.degreesOfFreedom), 2.0)));
   for (const Calibration::Value& v : c.values) {
     StatedFigure figure = figureWith(inWords(c.effects[static_cast<std::size_t>(v.effect)], symbols), v.name,
                                      v.value * v.toUnit, 2.0 * v.std * std::abs(v.toUnit), v.unit);
     figure.held = v.fixed;
+    figure.coverage = coverage;
     if (v.fixed)
       figure.expanded.clear();
     else
@@ -116,7 +122,7 @@ StatedFigure figureOfQuantity(const QuantityUncertainty& q, bool wholeTest) {
 
 bool isBall(const FoundInArtifact& feature) { return feature.ball; }
 
-/// "of each ball", or "of b2, b7" where the others state it.
+/// "of its features", or "of b2, b7" where the others state it.
 std::string whoseUncertainty(const std::vector<std::string>& names, std::size_t all) {
   if (names.empty() || names.size() == all) return "of its features";
   return "of " + joined(names, ", ");
@@ -136,6 +142,20 @@ const char* nameOf(FigureOrigin origin) {
       break;
   }
   return "predicted, not measured";
+}
+
+std::string rangeText(double lower, double upper, const std::string& unit) {
+  if (!std::isfinite(lower) || !std::isfinite(upper)) return "not recorded";
+  return format("%.4g to %.4g", lower, upper) + (unit.empty() ? "" : " " + unit);
+}
+
+std::string driftText(const Domain& domain, const Wandering& drift) {
+  const int j = domain.findJoint(drift.direction);
+  const bool rotary = j >= 0 && domain.joints[static_cast<std::size_t>(j)].kind == JointKind::kRotary;
+  return "along " + drift.direction +
+         format(": standard deviation %.2g %s, time constant %.3g min",
+                drift.std / (rotary ? kArcsecond : kMicrometre), rotary ? "arcsec" : "um",
+                drift.timeConstant / 60.0);
 }
 
 StatedGroup taskFigures(const CertifiedTask& task) {

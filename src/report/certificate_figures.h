@@ -10,12 +10,13 @@ namespace mm {
 
 /// One figure with the digits that its uncertainty allows.
 struct StatedFigure {
-  std::string of, name;      // "scale of x (EXX)", "s"; `of` may be empty
-  std::string value;         // a decimal number, in `unit`
-  std::string expanded;      // U (k = 2), in `unit`; empty: none is stated
-  std::string unit;          // "um", "mm", "um/m", "1" …
-  bool held = false;         // by a convention: it has no uncertainty
-  std::string distribution;  // of the value; empty: not stated
+  std::string of, name;           // "scale of x (EXX)", "s"; `of` may be empty
+  std::string value;              // a decimal number, in `unit`
+  std::string expanded;           // U (k = 2), in `unit`; empty: none is stated
+  std::string unit;               // "um", "mm", "um/m", "1" …
+  bool held = false;              // by a convention: it has no uncertainty
+  std::string distribution;       // of the value; empty: not stated
+  std::string coverage = "0.95";  // probability of value ± U
 };
 
 /// How figures came about: those of different origin are never put into one table.
@@ -53,6 +54,12 @@ struct LengthTable {
 };
 /// Every measured length of a task with its reference and its error. @param task lengths in one position.
 LengthTable lengthTable(const TaskUncertainty& task);
+
+/// "-12 to 12 mm"; "not recorded" of one that is not finite. @param lower, upper in the unit.
+std::string rangeText(double lower, double upper, const std::string& unit);
+
+/// What a session's drift along a direction was: "along x: standard deviation 0.4 um, time constant 12 min".
+std::string driftText(const Domain& domain, const Wandering& drift);
 
 /// What of the artifact's uncertainty is not stated, each with the line that would state it; empty: it is all
 /// stated, and conformity may be decided.

@@ -1,6 +1,5 @@
 // The certificate as HTML: a page of paper first of all.
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include "base/format.h"
@@ -13,57 +12,15 @@
 #include "report/certificate_figures.h"
 #include "report/certificate_plots.h"
 #include "report/certificate_seal.h"
+#include "report/certificate_style.h"
 #include "report/report_page.h"
 #include "report/symbols_of.h"
 #include "report/text_parts.h"
 #include "report/uncertainty_output.h"
+#include "verification/trend.h"
 
 namespace mm {
 namespace {
-
-/// What stands at the foot of every printed page; the id may come from a foreign file.
-std::string footOfPage(const std::string& id) {
-  std::string plain;
-  for (const char c : id)
-    if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-') plain += c;
-  return "@page { @bottom-left { content: \"Calibration certificate " + plain +
-         "\"; font: 8pt sans-serif; color: #444c56; } }\n";
-}
-
-constexpr const char* kStyle = R"(
-@page { size: A4; margin: 17mm 16mm 18mm; @bottom-right { content: "page " counter(page) " of " counter(pages); font: 8pt sans-serif; color: #444c56; } }
-* { box-sizing: border-box; }
-html { color-scheme: light; }
-body { font: 10.5pt/1.42 "DejaVu Sans", "Liberation Sans", Arial, sans-serif; color: #1b1f24; background: #e9ecef; margin: 0; }
-main { background: #fff; max-width: 210mm; margin: 8mm auto; padding: 15mm 16mm; box-shadow: 0 1px 8px #0002; }
-h1 { font-size: 19pt; margin: 0; letter-spacing: .01em; }
-h2 { font-size: 12pt; margin: 7mm 0 2mm; padding-bottom: 1mm; border-bottom: .4mm solid #1f5fa8; break-after: avoid; }
-.number { color: #444c56; margin: 1mm 0 5mm; overflow-wrap: anywhere; }
-table { border-collapse: collapse; width: 100%; font-size: 9.5pt; font-variant-numeric: tabular-nums; }
-th { text-align: left; font-weight: 600; vertical-align: top; }
-td, th { padding: .9mm 2mm .9mm 0; border-bottom: .2mm solid #d5dae0; vertical-align: top; overflow-wrap: anywhere; }
-thead th { border-bottom: .3mm solid #6b7683; }
-table.facts th { width: 46mm; color: #444c56; }
-tr.own td.which { font-weight: 600; } .when { white-space: nowrap; } th.which, td.which { min-width: 32mm; }
-td.n, th.n { text-align: right; white-space: nowrap; padding-left: 3mm; }
-tr, figure, .together { break-inside: avoid; }
-thead { display: table-header-group; }
-figure { margin: 3mm 0; }
-figcaption { font-size: 9pt; color: #444c56; }
-svg { width: 100%; max-width: 150mm; height: auto; display: block; }
-.result { font-size: 11.5pt; margin: 1mm 0; } .result b { white-space: nowrap; }
-.bar { display: inline-block; height: 2.6mm; background: #1f5fa8; vertical-align: middle; min-width: .3mm; }
-td.share { width: 52mm; white-space: nowrap; }
-.verdict { border-left: 1.2mm solid #6b7683; padding: 1mm 0 1mm 3mm; margin: 2mm 0; }
-.conforms { border-color: #2d7d46; } .fails { border-color: #b3261e; } .open { border-color: #b07d00; }
-.task { margin-bottom: 5mm; } h3 { font-size: 10.5pt; margin: 4mm 0 1mm; break-after: avoid; }
-.wide { margin-bottom: 4mm; } .wide th { white-space: nowrap; }
-.tests td, .tests th { font-size: 8.5pt; padding: .5mm 2mm .5mm 0; white-space: nowrap; }
-p { margin: 1.5mm 0; } .small { font-size: 9pt; color: #444c56; }
-.sign { display: flex; margin-top: 14mm; break-inside: avoid; } .sign div + div { margin-left: 12mm; } .sign div { flex: 1; border-top: .3mm solid #444c56; padding-top: 1mm; font-size: 9pt; }
-@media print { body { background: #fff; } main { margin: 0; padding: 0; max-width: none; box-shadow: none; } * { print-color-adjust: exact; -webkit-print-color-adjust: exact; } }
-@media (max-width: 720px) { main { margin: 0; padding: 6mm 4mm; } .wide { overflow-x: auto; } table.facts th { width: 30%; } }
-)";
 
 std::string nicely(std::string text) {  // units as they are printed
   for (const auto& [plain, nice] :
@@ -82,18 +39,14 @@ std::string factRow(const std::string& name, const std::string& value) {
 
 std::string sectionHead(const std::string& text) { return "<h2>" + escapedHtml(text) + "</h2>\n"; }
 
-std::string rangeText(double lower, double upper, const char* unit) {
-  if (!std::isfinite(lower) || !std::isfinite(upper)) return "not recorded";
-  return format("%.4g to %.4g ", lower, upper) + unit;
-}
-
 std::string itemSection(const Certificate& c) {
   const Calibration& k = c.calibration;
   std::string html = "<table class=\"facts\">" + factRow("Machine", k.machineName) +
                      factRow("Serial number", c.serial) + factRow("Laboratory", c.facts.laboratory);
   if (!c.facts.customer.empty()) html += factRow("Customer", c.facts.customer);
   if (!c.facts.place.empty()) html += factRow("Place", c.facts.place);
-  html += factRow("Operator", c.facts.operatorName) + factRow("Date of calibration", k.created) +
+  html += factRow("Operator", c.facts.operatorName) + factRow("Date of measurement", measuredAt(k)) +
+          factRow("Date of evaluation", k.created) +
           factRow("Date of issue", c.facts.issued.empty() ? utcNow() : c.facts.issued) +
           factRow("Replaces",
                   c.replaces.empty() ? "no earlier issue is known" : "certificate No. " + c.replaces) +
@@ -149,13 +102,7 @@ std::string environmentSection(const Calibration& c) {
   for (std::size_t v = 0; v < d.covariates.size(); ++v)
     html += factRow(d.covariates[v], rangeText(d.covariateLower[v], d.covariateUpper[v], ""));
   html += factRow("Duration", format("%.3g h", d.duration / 3600.0));
-  for (const Wandering& w : c.drift) {
-    const int j = d.findJoint(w.direction);
-    const bool rotary = j >= 0 && d.joints[static_cast<std::size_t>(j)].kind == JointKind::kRotary;
-    html += factRow("Drift seen, " + w.direction, format("standard deviation %.2g %s, over %.3g min",
-                                                         w.std / (rotary ? kArcsecond : kMicrometre),
-                                                         rotary ? "arcsec" : "µm", w.timeConstant / 60.0));
-  }
+  for (const Wandering& w : c.drift) html += factRow("Drift seen", driftText(d, w));
   return html +
          "</table>\n"
          "<p class=\"small\">The results are valid within these ranges; changes of the machine after the "
@@ -372,7 +319,12 @@ std::string decisionSection(const Certificate& c) {
   }
   return sectionHead("Uncertainty and decision rule") +
          "<p>U is the standard uncertainty multiplied by the coverage factor k = 2, which for a normal "
-         "distribution corresponds to a coverage probability of about 95 %. It was found by propagating the "
+         "distribution corresponds to a coverage probability of about 95 %" +
+         (c.calibration.degreesOfFreedom > 0.0 && c.calibration.degreesOfFreedom < 30.0
+              ? format(" (here less: the parameters have %.0f degrees of freedom)",
+                       c.calibration.degreesOfFreedom)
+              : std::string()) +
+         ". It was found by propagating the "
          "distributions of all causes named through the measurement (JCGM 101:2008; the method of ISO/TS "
          "15530-4).</p><p>" +
          (decided
@@ -398,8 +350,8 @@ std::string certificatePage(const Certificate& c) {
       "'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'\">\n<link "
       "rel=\"icon\" "
       "href=\"data:,\">\n<title>Calibration certificate " +
-      escapedHtml(numberOf(c)) + " – measuring machine certificate</title>\n<style>" + kStyle +
-      footOfPage(numberOf(c)) +
+      escapedHtml(numberOf(c)) + " – measuring machine certificate</title>\n<style>" +
+      certificateStyle(numberOf(c)) +
       "</style>\n</head>\n<body>\n<main>\n<h1>Calibration certificate</h1>\n<p class=\"number\">No. " +
       escapedHtml(numberOf(c)) + "</p>\n";
   html += itemSection(c) + referenceSection(c) + environmentSection(k);

@@ -15,6 +15,7 @@
 #include "report/certificate_seal.h"
 #include "report/dcc_contents.h"
 #include "report/dsi_unit.h"
+#include "verification/trend.h"
 
 namespace mm {
 namespace {
@@ -25,7 +26,6 @@ constexpr const char* kDccVersion = "3.3.0";
 constexpr const char* kNotStated = "not stated";
 constexpr const char* kUnknownCountry = "ZZ";  // of ISO 3166-1, left to its users
 constexpr const char* kCoverageFactor = "2";
-constexpr const char* kCoverageProbability = "0.95";
 
 /// Bytes of a character that starts with this one; 0: none does.
 std::size_t lengthOfCharacter(unsigned char first) {
@@ -34,6 +34,16 @@ std::size_t lengthOfCharacter(unsigned char first) {
          : first >= 0xE0 && first < 0xF0 ? 3
          : first >= 0xF0 && first < 0xF5 ? 4
                                          : 0;
+}
+
+/// Whether these bytes of a whole length are none all the same: written longer than needed, half of a pair,
+/// beyond the last one, or U+FFFE and U+FFFF.
+bool isNoCharacter(const std::string& bytes) {
+  if (bytes.size() < 3) return false;
+  const auto at = [&](std::size_t k) { return static_cast<unsigned char>(bytes[k]); };
+  return (at(0) == 0xE0 && at(1) < 0xA0) || (at(0) == 0xED && at(1) >= 0xA0) ||
+         (at(0) == 0xF0 && at(1) < 0x90) || (at(0) == 0xF4 && at(1) >= 0x90) ||
+         (at(0) == 0xEF && at(1) == 0xBF && at(2) >= 0xBE);
 }
 
 /// Text as XML may hold it: UTF-8 without control characters, no blanks at its ends, never empty.
@@ -45,6 +55,7 @@ std::string xmlText(const std::string& text) {
     bool whole = length > 0 && i + length <= text.size();
     for (std::size_t k = 1; whole && k < length; ++k)
       whole = (static_cast<unsigned char>(text[i + k]) & 0xC0) == 0x80;
+    whole = whole && !isNoCharacter(text.substr(i, length));
     if (!whole)
       clean += '?';
     else if (length > 1 || (c >= 0x20 && c != 0x7F))
@@ -109,8 +120,9 @@ void addCoreData(XMLElement& data, const Certificate& c) {
                     kDccFileChecksum);
   if (!k.sessionHash.empty()) addIdentification(ids, "calibrationLaboratory", k.sessionHash, kDccSessionHash);
   const std::string issued = c.facts.issued.empty() ? utcNow() : c.facts.issued;
-  addLeaf(core, "dcc:beginPerformanceDate", dateOf(k.created.empty() ? issued : k.created));
-  addLeaf(core, "dcc:endPerformanceDate", dateOf(k.created.empty() ? issued : k.created));
+  const std::string measured = measuredAt(k);
+  for (const char* date : {"dcc:beginPerformanceDate", "dcc:endPerformanceDate"})
+    addLeaf(core, date, dateOf(measured.empty() ? issued : measured));
   addLeaf(core, "dcc:performanceLocation", "other");
   addLeaf(core, "dcc:issueDate", dateOf(issued));
   if (c.replaces.empty()) return;
@@ -130,9 +142,11 @@ std::string rangesOf(const Domain& d) {
   for (std::size_t j = 0; j < d.joints.size(); ++j) {
     const bool rotary = d.joints[j].kind == JointKind::kRotary;
     const double unit = rotary ? kDegree : kMillimetre;
-    text += (j == 0 ? "" : "; ") + d.joints[j].name +
-            format(" %.4g to %.4g ", d.lower[j] / unit, d.upper[j] / unit) + (rotary ? "deg" : "mm");
+    text += (j == 0 ? "" : "; ") + d.joints[j].name + " " +
+            rangeText(d.lower[j] / unit, d.upper[j] / unit, rotary ? "deg" : "mm");
   }
+  for (std::size_t v = 0; v < d.covariates.size(); ++v)
+    text += "; " + d.covariates[v] + " " + rangeText(d.covariateLower[v], d.covariateUpper[v], "");
   return text;
 }
 
@@ -146,10 +160,15 @@ void addStatements(XMLElement& data, const Certificate& c) {
           "a normal "
           "distribution corresponds to a coverage probability of about 95 %.");
   XMLElement& traceability = addStatement(list, "metrological traceability of the reference");
-  addLeaf(traceability, "dcc:traceable", c.facts.traceability.empty() ? "false" : "true");
+  if (!c.facts.traceability.empty()) addLeaf(traceability, "dcc:traceable", "true");
   addText(traceability, "dcc:declaration", c.facts.traceability);
   addText(addStatement(list, "range of validity"), "dcc:declaration", rangesOf(c.calibration.domain));
+  for (const Wandering& w : c.calibration.drift)
+    addText(addStatement(list, "drift seen"), "dcc:declaration", driftText(c.calibration.domain, w));
   for (const CertifiedTask& task : c.tasks) {
+    for (const std::string& why : task.result.outside)
+      addText(addStatement(list, "validity: " + task.result.task), "dcc:declaration",
+              "The calibration does not hold " + why);
     if (task.asked && task.verdicts.empty())
       addText(addStatement(list, "conformity: " + task.result.task), "dcc:declaration",
               "No statement of conformity: " + joined(c.notStated, "; "));
@@ -158,7 +177,7 @@ void addStatements(XMLElement& data, const Certificate& c) {
       addLeaf(statement, "dcc:norm", "ISO 14253-1:2017");
       addText(statement, "dcc:declaration",
               (task.measured ? "Of a measured value: " : "Predicted, no test was made: ") + v.inWords);
-      if (v.conformity != Conformity::kUndecided)
+      if (task.measured && v.conformity != Conformity::kUndecided)  // a program reads this, and no words
         addLeaf(statement, "dcc:conformity", v.conformity == Conformity::kConforms ? "pass" : "fail");
     }
   }
@@ -200,7 +219,7 @@ void addQuantity(XMLElement& parent, const char* element, const StatedFigure& f)
   XMLElement& expanded = add(add(real, "si:measurementUncertaintyUnivariate"), "si:expandedMU");
   addLeaf(expanded, "si:valueExpandedMU", f.expanded);
   addLeaf(expanded, "si:coverageFactor", kCoverageFactor);
-  addLeaf(expanded, "si:coverageProbability", kCoverageProbability);
+  addLeaf(expanded, "si:coverageProbability", f.coverage);
   if (!f.distribution.empty()) addLeaf(expanded, "si:distribution", f.distribution);
 }
 
@@ -216,10 +235,13 @@ void addMethods(XMLElement& results, const Certificate& c) {
 }
 
 void addReference(XMLElement& results, const Certificate& c) {
-  if (!c.calibration.artifact) return;
-  const CalibratedBy& a = *c.calibration.artifact;
+  if (!c.calibration.artifact && !(c.scaleStd > 0.0) && !(c.radiusStd > 0.0)) return;
+  const CalibratedBy a = c.calibration.artifact.value_or(CalibratedBy());
   XMLElement& equipment = add(add(results, "dcc:measuringEquipments"), "dcc:measuringEquipment");
-  addText(equipment, "dcc:name", a.features > 0 ? a.name : "independent instrument");
+  addText(equipment, "dcc:name",
+          !c.calibration.artifact ? "not recorded in the calibration file"
+          : a.features > 0        ? a.name
+                                  : "independent instrument");
   addIdentification(add(equipment, "dcc:identifications"), "owner", a.serial, "serial number");
   XMLElement& stated = add(equipment, "dcc:measuringEquipmentQuantities");
   const auto state = [&](const char* name, double expanded, const char* unit) {
@@ -236,7 +258,8 @@ void addReference(XMLElement& results, const Certificate& c) {
     state("largest U (k = 2) of a position", 2.0 * a.centreStd / kMicrometre, "um");
     state("largest U (k = 2) of a radius", 2.0 * a.radiusStd / kMicrometre, "um");
   }
-  state("U (k = 2) of the scale, stated for the predicted results", 2e6 * c.scaleStd, "um/m");
+  if (c.scaleStd > 0.0 || a.features == 0)
+    state("U (k = 2) of the scale, stated for the predicted results", 2e6 * c.scaleStd, "um/m");
   if (c.radiusStd > 0.0)
     state("U (k = 2) of the reference ball's radius, stated for the predicted results",
           2.0 * c.radiusStd / kMicrometre, "um");

@@ -3,6 +3,7 @@
 #include <tinyxml2.h>
 
 #include "base/error.h"
+#include "base/text.h"
 
 namespace mm {
 namespace {
@@ -13,6 +14,11 @@ std::string textBelow(const tinyxml2::XMLElement* parent, const char* name) {
 }
 
 }  // namespace
+
+bool isDcc(const std::string& content) {
+  return !startsWith(content, "%PDF-") && !startsWith(content, "<!DOCTYPE html>") &&
+         content.find("digitalCalibrationCertificate") != std::string::npos;
+}
 
 DccContents dccContents(const std::string& xml, const std::string& source) {
   tinyxml2::XMLDocument document;

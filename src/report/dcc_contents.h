@@ -17,6 +17,10 @@ struct DccContents {
   DccSignature signature;
 };
 
+/// Whether a file is to be read as a DCC: it has its root and is not a page or a PDF, whatever else stands in
+/// it. A seal of these says nothing of it: everybody can append one.
+bool isDcc(const std::string& content);
+
 /// @throw InputError: no DCC, or a signature that does not cover the whole of it.
 DccContents dccContents(const std::string& xml, const std::string& source);
 

@@ -136,7 +136,7 @@ std::string noiseText(const CalibrationResult& r) {
         r.problem->model().domain().joints[static_cast<std::size_t>(joint)].kind == JointKind::kRotary;
     text += "  In time        residuals " +
             (d.direction == "approach" ? "along the approach" : "of " + d.direction) +
-            " follow their neighbours: " + length(d.std, turns) + " RMS over " +
+            " follow their neighbours: " + length(d.std, turns) + " RMS with a time constant of " +
             durationInWords(d.timeConstant) +
             ", by drift or by an effect that the model lacks; the uncertainties allow for it\n";
   }

@@ -151,8 +151,7 @@ void checkDcc(const CertificateCommand& c, const std::string& xml, int& exitStat
 
 void checkIssued(const CertificateCommand& c, int& exitStatus) {
   const std::string content = readFile(c.check);
-  if (content.find("digitalCalibrationCertificate") != std::string::npos && !sealOf(content))
-    return checkDcc(c, content, exitStatus);
+  if (isDcc(content)) return checkDcc(c, content, exitStatus);
   if (!c.key.empty())
     throw InputError("--key " + c.key + ": only an XML certificate has a signature, and " + c.check +
                      " is none; leave --key out");
@@ -228,10 +227,15 @@ IssueNumber replacedIssue(const std::string& file, const std::string& calibratio
   if (kindOf(file) != FileKind::kCertificate) return {};
   const std::string content = readFile(file);
   std::string number;
-  if (const std::optional<CertificateSeal> seal = sealOf(content))
+  if (isDcc(content)) {
+    try {
+      number = dccContents(content, file).number;
+    } catch (const InputError&) {
+      return {};  // it is damaged, and tells no number
+    }
+  } else if (const std::optional<CertificateSeal> seal = sealOf(content)) {
     number = seal->number;
-  else if (startsWith(content, "<?xml"))
-    number = dccContents(content, file).number;
+  }
   const IssueNumber found = IssueNumber::parsed(number);
   return found.calibration == calibration ? found : IssueNumber();
 }

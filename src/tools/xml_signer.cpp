@@ -61,9 +61,13 @@ bool signatureIsValid(const std::string& xml, const std::string& publicKey, cons
   const TemporaryFolder folder;
   folder.write("signed.xml", xml);
   folder.write("public.pem", publicKey);
-  return ranXmlSigner(
-             {"--verify", "--pubkey-pem:" + name, folder.path() / "public.pem", folder.path() / "signed.xml"},
-             folder.path() / "log") == 0;
+  const fs::path log = folder.path() / "log";
+  const int status = ranXmlSigner(
+      {"--verify", "--pubkey-pem:" + name, folder.path() / "public.pem", folder.path() / "signed.xml"}, log);
+  if (status > 1)  // it ended before it could judge
+    throw InputError("xmlsec1 could not verify the signature (exit status " + std::to_string(status) +
+                     "): " + lastWordsOf(log) + "; try again");
+  return status == 0;
 }
 
 }  // namespace mm

@@ -87,7 +87,7 @@ void say(ParameterTrend& t, const Trend& course) {
                 (t.points.size() == 1 ? " calibration" : " calibrations");
     return;
   }
-  const std::string rate = expanded(kMonth * t.slope, kMonth * t.slopeStd, t.unit) + " in 30 days";
+  const std::string rate = expanded(kMonth * t.slope, kMonth * t.slopeStd, t.unit) + " in 30 days (k = 2)";
   if (!t.significant || course.kind != Trend::Kind::kSteps) {
     t.inWords = what + ": " + (t.significant ? rate : "no significant trend, " + rate);
     return;
@@ -97,9 +97,10 @@ void say(ParameterTrend& t, const Trend& course) {
   std::vector<std::string> steps;
   for (std::size_t i = 0; i + 1 < course.segments.size(); ++i) {
     const TrendSegment &before = course.segments[i], &after = course.segments[i + 1];
-    steps.push_back(expanded(after.level - before.level, std::hypot(before.std, after.std), t.unit) +
-                    " between " + points[before.end - 1]->measured.substr(0, kDate) + " and " +
-                    points[after.first]->measured.substr(0, kDate));
+    steps.push_back(
+        withFactor(expanded(after.level - before.level, std::hypot(before.std, after.std), t.unit)) +
+        " between " + points[before.end - 1]->measured.substr(0, kDate) + " and " +
+        points[after.first]->measured.substr(0, kDate));
   }
   t.inWords = what + ": changed by " + joined(steps, ", by ");
 }

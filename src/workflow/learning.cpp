@@ -138,6 +138,8 @@ std::optional<CalibrationResult> fitWith(const Session& session, const Calibrati
     return result;
   } catch (const NumericalError&) {
     return std::nullopt;
+  } catch (const InputError&) {  // an input that a candidate needs is unknown in too many rows
+    return std::nullopt;
   }
 }
 

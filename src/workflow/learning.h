@@ -34,7 +34,8 @@ Diagnosis diagnoseCalibration(const Session& session, const Calibration& calibra
 
 /// What a diagnosis would add to the model: effects and profiles, else a formula.
 std::vector<EffectSpec> effectsFound(const Diagnosis& diagnosis);
-/// These effects fitted to a session, from the calibration's values; empty: no fit can be made.
+/// These effects fitted to a session, from the calibration's values; empty: no fit can be made, or an input
+/// is unknown in too many rows.
 /// @throw Cancelled.
 std::optional<CalibrationResult> fitWith(const Session& session, const Calibration& calibration,
                                          const std::vector<EffectSpec>& effects,

@@ -204,6 +204,13 @@ TEST_F(Certificates, AreSignedAsXmlAndRefusedWhenChanged) {
     changed(from, to);
     expectRefused("certificate --check changed.xml", {"changed.xml", "was changed after it was signed"});
   }
+  // A seal of paper, which everybody can append, is none of XML.
+  std::string sealed = xml;
+  sealed.replace(sealed.find("E. Abbe"), 7, "E. Abbf");
+  folder_->write("changed.xml", sealed +
+                                    "<!-- mm-certificate: calibration 20260301T093000Z-00c0ffee sha256 " +
+                                    std::string(64, '0') + " -->\n");
+  expectRefused("certificate --check changed.xml", {"changed.xml", "was changed after it was signed"});
   folder_->write("changed.xml",
                  xml.substr(0, xml.find("<ds:Signature ")) + "</dcc:digitalCalibrationCertificate>\n");
   expectRefused("certificate --check changed.xml", {"says that it is signed, but has no signature"});

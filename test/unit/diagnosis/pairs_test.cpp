@@ -109,7 +109,9 @@ TEST(Pairs, AJumpIsToldWithItsTime) {
 }
 
 TEST(Pairs, NoJumpIsToldWhereTheMachineWanders) {
-  MM_THOROUGH_ONLY("every day Rough.DriftIsTold… is silent where it drifts");
+  MM_THOROUGH_ONLY(
+      "every day Rough.DriftIsTold… is silent where it drifts; correlated noise is asked at full length "
+      "only");
   const Machine machine = Machine::load("three_axis");
   for (std::uint64_t seed = 1; seed <= (mm_test::longTests() ? 4 : 2); ++seed) {
     const Session wandering = simulate(machine, Plan::load("config/plans/nine_ball_plate.yaml", machine),

@@ -75,6 +75,7 @@ TEST(IsgInterpreter, WhatHasNoDocumentedRuleIsRefused) {
   EXPECT_THAT(table("X EXX\n0 none\n"), AllOf(HasSubstr("volcomp1.csv:2"), HasSubstr("'none'")));
   EXPECT_THAT(table("X EXX\n"), HasSubstr("no records"));
   EXPECT_THAT(table("// nothing\n"), HasSubstr("no header"));
+  EXPECT_THAT(list("alternative_model 1\n"), HasSubstr("only 0"));
   EXPECT_THAT(list("workpiece_axes 1\n"), AllOf(HasSubstr("volcomp.lis:10"), HasSubstr("only 0")));
   EXPECT_THAT(list("interpolation SCATTER\n"), AllOf(HasSubstr("SCATTER"), HasSubstr("GRID")));
   EXPECT_THAT(list("chain CBYXZ\n"), AllOf(HasSubstr("chain: CBYXZ"), HasSubstr("XYZ")));

@@ -108,8 +108,12 @@ TEST(Dcc, HasTheStructureOfTheSchema) {
     }
   }
   // The grammar refuses what the schema does.
-  const std::string xml = dccOf(certificateOfOneTask("position:0,0,0"));
+  Certificate measured = certificateOfOneTask("position:0,0,0");
+  measured.tasks[0].measured = true;
+  const std::string xml = dccOf(measured);
   std::string said;
+  ASSERT_EQ(validated(xml, said), 0) << said;
+  constexpr int kNotValid = 3;  // xmllint: well-formed, and not what the grammar asks
   for (const auto& [from, to] :
        {std::pair<const char*, const char*>{"<si:coverageFactor>2<", "<si:coverageFactor>0.5<"},
         {"<dcc:mainSigner>true", "<dcc:mainSigner>yes"},
@@ -117,7 +121,7 @@ TEST(Dcc, HasTheStructureOfTheSchema) {
         {"schemaVersion=\"3.3.0\"", "schemaVersion=\"2.0.0\""},
         {"<dcc:conformity>pass", "<dcc:conformity>passes"},
         {"\\micro\\metre", "um"}})
-    EXPECT_NE(validated(replacedIn(xml, from, to), said), 0) << to;
+    EXPECT_EQ(validated(replacedIn(xml, from, to), said), kNotValid) << to << said;
 }
 
 /// Texts of every element of this name, in the order of the document.
@@ -178,10 +182,24 @@ TEST(Dcc, SaysWhatItIsOf) {
        {"<dcc:uniqueIdentifier>20260301T093000Z-00c0ffee-20260302T080000123Z-2<",
         "<dcc:replacedUniqueIdentifier>20260301T093000Z-00c0ffee-20260302T080000000Z-1<",
         "<dcc:countryCodeISO3166_1>DE<", "M-17", "L &amp; Co", "plate &lt;no. 7&gt;", "E. Ä   ?bbe",
-        "<dcc:traceable>false<", "not stated; taken as exact", "predicted, not measured",
-        "<si:coverageProbability>0.95<", "<si:distribution>normal<", "held by a convention",
-        "\\micro\\metre\\metre\\tothe{-1}", "<dcc:conformity>pass<", "Predicted, no test was made: "})
+        "not stated; taken as exact", "predicted, not measured", "<si:coverageProbability>0.95<",
+        "<si:distribution>normal<", "held by a convention", "\\micro\\metre\\metre\\tothe{-1}",
+        "Predicted, no test was made: "})
     EXPECT_NE(xml.find(part), std::string::npos) << part;
+  // A program reads the element and no words: none says "no", where nothing is stated, or "pass", where
+  // nothing was measured.
+  EXPECT_EQ(xml.find("<dcc:traceable>"), std::string::npos);
+  EXPECT_EQ(xml.find("<dcc:conformity>"), std::string::npos);
+  Certificate tested = c;
+  tested.tasks[0].measured = true;
+  tested.tasks[0].result.outside = {"at 30 degC"};
+  tested.facts.traceability = "ball plate 17";
+  tested.calibration.degreesOfFreedom = 5.0;
+  const std::string test = dccOf(tested);
+  for (const char* part : {"<dcc:conformity>pass<", "Of a measured value: ", "<dcc:traceable>true<",
+                           "The calibration does not hold at 30 degC", "Student's t, 5 degrees of freedom",
+                           "<si:coverageProbability>0.90<"})  // of a table of t: 0.898 within 2
+    EXPECT_NE(test.find(part), std::string::npos) << part;
   const DccContents read = dccContents(xml, "c.xml");
   EXPECT_EQ(read.number, c.number);
   EXPECT_EQ(read.calibration, c.calibration.id);

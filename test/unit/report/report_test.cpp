@@ -296,7 +296,8 @@ TEST(Text, ACalibrationAssertsNoDrift) {
   drift.timeConstant = 3.0;
   result.drift = {drift};
   const std::string text = calibrateText(result);
-  EXPECT_NE(text.find("residuals of x follow their neighbours: 0.5 um RMS over 3 s, by drift or by an effect "
+  EXPECT_NE(text.find("residuals of x follow their neighbours: 0.5 um RMS with a time constant of 3 s, by "
+                      "drift or by an effect "
                       "that the model lacks"),
             std::string::npos)
       << text;

@@ -56,7 +56,7 @@ TEST(Trend, ofAStepSaysWhenAndByHowMuch) {
   for (int k = 0; k < 8; ++k) calibrations.push_back(calibrated(1 + 3 * k, (k < 4 ? 50.0 : 90.0) + k % 2));
   const std::vector<ParameterTrend> trends = trendsOf(calibrations);
   EXPECT_TRUE(trends[0].significant);
-  EXPECT_NE(trends[0].inWords.find("changed by 40.0 ± 1.4 um/m between 2026-03-10 and 2026-03-13"),
+  EXPECT_NE(trends[0].inWords.find("changed by 40.0 ± 1.4 um/m (k = 2) between 2026-03-10 and 2026-03-13"),
             std::string::npos)
       << trends[0].inWords;
 }
