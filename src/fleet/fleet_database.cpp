@@ -1,10 +1,10 @@
 #include "fleet/fleet_database.h"
 
 #include <cmath>
-#include <ctime>
 #include <type_traits>
 
 #include "base/error.h"
+#include "base/utc_now.h"
 #include "fleet/fields.h"
 
 namespace mm {
@@ -36,15 +36,6 @@ const char* const kSinceSchema1 = R"(
 ALTER TABLE jobs ADD COLUMN angular INTEGER;
 ALTER TABLE sensors ADD COLUMN step_K REAL;
 )";
-
-std::string stampOf(double epoch) {
-  if (!std::isfinite(epoch)) return {};
-  const auto seconds = static_cast<std::time_t>(std::floor(epoch));
-  std::tm utc{};
-  gmtime_r(&seconds, &utc);
-  char text[32];
-  return std::string(text, std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc));
-}
 
 const JobResult kNothing;  // for the names of its fields
 
@@ -129,7 +120,7 @@ void FleetDatabase::enter(const std::vector<JobResult>& results, const ResultsFo
     Database::Statement job = database_.prepare(set + " WHERE key=?1");
     for (const JobResult& r : results) {
       job.bind(1, r.key).bind(2, folder.jobFolder(r.key).lexically_relative(folder.path()).string());
-      job.bind(3, r.serial).bind(4, stampOf(r.epoch));
+      job.bind(3, r.serial).bind(4, utcText(r.epoch));
       place = 4;
       eachStored(r, [&](const char* /*name*/, const auto& field) { bindField(job, ++place, field); });
       job.step();

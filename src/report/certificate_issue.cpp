@@ -1,10 +1,13 @@
 #include "report/certificate_issue.h"
 
 #include <chrono>
-#include <ctime>
 #include <regex>
 
+#include "base/error.h"
 #include "base/format.h"
+#include "base/utc_now.h"
+#include "report/certificate_seal.h"
+#include "report/dcc_contents.h"
 
 namespace mm {
 
@@ -12,19 +15,32 @@ std::string IssueNumber::text() const { return calibration + "-" + stamp + "-" +
 
 IssueNumber IssueNumber::parsed(const std::string& text) {
   static const std::regex form("(.+)-([0-9]{8}T[0-9]{9}Z)-([1-9][0-9]{0,5})");
+  constexpr std::size_t kLongest =
+      200;  // the search goes as deep as the text is long, and it may be a foreign file's
   std::smatch parts;
-  if (!std::regex_match(text, parts, form)) return {};
+  if (text.size() > kLongest || !std::regex_match(text, parts, form)) return {};
   return {parts[1], parts[2], std::stoi(parts[3])};
+}
+
+IssueNumber issueIn(const std::string& content, const std::string& source, const std::string& calibration) {
+  std::string number;
+  if (isDcc(content)) {
+    try {
+      number = dccContents(content, source).number;
+    } catch (const InputError&) {
+      return {};
+    }
+  } else if (const std::optional<CertificateSeal> seal = sealOf(content)) {
+    number = seal->number;
+  }
+  const IssueNumber found = IssueNumber::parsed(number);
+  return found.calibration == calibration ? found : IssueNumber();
 }
 
 std::string issueStamp() {
   using namespace std::chrono;
   const auto milli = duration_cast<milliseconds>(system_clock::now().time_since_epoch()).count();
-  const auto now = static_cast<std::time_t>(milli / 1000);
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char text[32];
-  return std::string(text, std::strftime(text, sizeof text, "%Y%m%dT%H%M%S", &utc)) +
+  return utcText(static_cast<double>(milli / 1000), "%Y%m%dT%H%M%S") +
          format("%03dZ", static_cast<int>(milli % 1000));
 }
 

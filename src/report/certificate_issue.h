@@ -15,6 +15,10 @@ struct IssueNumber {
   static IssueNumber parsed(const std::string& text);
 };
 
+/// Number of the certificate that a file holds. @param calibration id. @return `count` 0: it is of another
+/// one, or damaged.
+IssueNumber issueIn(const std::string& content, const std::string& source, const std::string& calibration);
+
 /// Stamp of the present moment.
 std::string issueStamp();
 

@@ -7,6 +7,7 @@
 #include "base/format.h"
 #include "base/quantity_words.h"
 #include "base/units.h"
+#include "base/utc_now.h"
 #include "design/weak_directions.h"
 #include "effects/effect_words.h"
 #include "report/iso_tests_json.h"
@@ -152,12 +153,7 @@ Json measuredJson(const ReportContents& r) {
   constexpr double kEarliest = 1.2e9;  // s; readings from before 2008 have the made-up date of an import
   const auto now = static_cast<double>(std::time(nullptr));
   if (!(r.session->epoch > kEarliest) || r.session->epoch > now + 86400.0) return nullptr;
-  const auto seconds = static_cast<std::time_t>(r.session->epoch);
-  std::tm utc{};
-  char text[32];
-  if (gmtime_r(&seconds, &utc) == nullptr || std::strftime(text, sizeof(text), "%FT%TZ", &utc) == 0)
-    return nullptr;
-  return text;
+  return utcText(r.session->epoch);
 }
 
 Json thermalJson(const ThermalTest& test) {

@@ -222,42 +222,41 @@ std::optional<StoreRecord> recordOf(const CertificateCommand& c, const Calibrati
   }
 }
 
-/// Number of the certificate that stands in the output's place; empty: none of this calibration.
-IssueNumber replacedIssue(const std::string& file, const std::string& calibration) {
-  if (kindOf(file) != FileKind::kCertificate) return {};
-  const std::string content = readFile(file);
-  std::string number;
-  if (isDcc(content)) {
-    try {
-      number = dccContents(content, file).number;
-    } catch (const InputError&) {
-      return {};  // it is damaged, and tells no number
-    }
-  } else if (const std::optional<CertificateSeal> seal = sealOf(content)) {
-    number = seal->number;
+std::string formOf(const std::string& file) { return endsWith(lower(file), ".xml") ? "digital" : "paper"; }
+
+/// A store that cannot be used is no reason to issue nothing.
+template <typename Use>
+void withStore(const Certificate& certificate, const Use& use) {
+  if (!certificate.store) return;
+  try {
+    use(CalibrationStore(certificate.store->folder));
+  } catch (const InputError& e) {
+    std::cerr << "mm: warning: this issue is not listed in the store: " << e.what() << std::endl;
   }
-  const IssueNumber found = IssueNumber::parsed(number);
-  return found.calibration == calibration ? found : IssueNumber();
 }
 
-/// Gives this issue its number, and lists it in the store that keeps the calibration.
+/// Gives this issue its number: the next of those that the store of the calibration lists.
 void numberIssue(const CertificateCommand& c, const IssueNumber& before, Certificate& certificate) {
-  const std::string form = endsWith(lower(c.output), ".xml") ? "digital" : "paper";
-  const std::string id = certificate.calibration.id;
+  const std::string form = formOf(c.output), id = certificate.calibration.id;
   IssueNumber number{id, issueStamp(), before.count + 1};
   if (before.count > 0) certificate.replaces = before.text();
-  if (certificate.store) {
-    try {
-      const CalibrationStore store(certificate.store->folder);
-      if (certificate.replaces.empty())
-        for (const CalibrationStore::Issue& i : store.issues())
-          if (i.id == id && i.form == form) certificate.replaces = IssueNumber{i.id, i.stamp, i.count}.text();
-      number.count = store.noteIssue({number.stamp, id, form, number.count});
-    } catch (const InputError& e) {
-      std::cerr << "mm: warning: this issue is not listed in the store: " << e.what() << std::endl;
+  withStore(certificate, [&](const CalibrationStore& store) {
+    for (const CalibrationStore::Issue& i : store.issues()) {
+      if (i.id != id) continue;
+      number.count = std::max(number.count, i.count + 1);
+      if (before.count == 0 && i.form == form)
+        certificate.replaces = IssueNumber{i.id, i.stamp, i.count}.text();
     }
-  }
+  });
   certificate.number = number.text();
+}
+
+/// Lists it in the store, once it is written: what nobody holds was not issued.
+void listIssue(const CertificateCommand& c, const Certificate& certificate) {
+  const IssueNumber number = IssueNumber::parsed(certificate.number);
+  withStore(certificate, [&](const CalibrationStore& store) {
+    store.noteIssue({number.stamp, number.calibration, formOf(c.output), number.count});
+  });
 }
 
 /// Without the uncertainty of the reference there are results, but no conformity.
@@ -328,10 +327,13 @@ void runCertificate(CertificateCommand& c, int& exitStatus) {
   certificate.tasks = certifiedTasks(c, calibration);
   decideConformity(certificate, c.uncertainty.conditionsFor(calibration.domain));
   certificate.curves = correctionCurves(calibration);
-  const IssueNumber before = replacedIssue(c.output, calibration.id);
+  IssueNumber before;
+  if (kindOf(c.output) == FileKind::kCertificate)
+    before = issueIn(readFile(c.output), c.output, calibration.id);
   numberIssue(c, before, certificate);
   const std::string content = contentOf(c, certificate, key);
   c.files.write(c.output, content);
+  listIssue(c, certificate);
   std::cout << "written to " << c.output << "\ncertificate id: " << certificate.number << '\n';
   if (!certificate.replaces.empty()) std::cout << "replaces the one of id: " << certificate.replaces << '\n';
   if (xml)

@@ -9,6 +9,7 @@
 #include "base/median.h"
 #include "base/quantity_words.h"
 #include "base/text.h"
+#include "base/utc_now.h"
 #include "effects/effect_words.h"
 #include "machine/machine_fit.h"
 #include "verification/calibration_changes.h"
@@ -32,15 +33,6 @@ std::vector<const Calibration*> ofOneMachine(const std::vector<Calibration>& all
 double dayOf(const Calibration& c) {
   constexpr double kDay = 86400.0;
   return hasDate(c) ? c.sessionEpoch / kDay : daysOf(c.created);
-}
-
-std::string utcOf(double epoch) {
-  const auto seconds = static_cast<std::time_t>(std::floor(epoch));
-  std::tm utc = {};
-  char text[32];
-  if (::gmtime_r(&seconds, &utc) == nullptr || std::strftime(text, sizeof text, "%FT%TZ", &utc) == 0)
-    return {};
-  return text;
 }
 
 /// As time goes; of the calibrations of one session the last that was made: they are not independent.
@@ -125,7 +117,7 @@ bool hasDate(const Calibration& c) {
   return c.sessionEpoch > kEarliest;
 }
 
-std::string measuredAt(const Calibration& c) { return hasDate(c) ? utcOf(c.sessionEpoch) : c.created; }
+std::string measuredAt(const Calibration& c) { return hasDate(c) ? utcText(c.sessionEpoch) : c.created; }
 
 std::vector<std::string> refitted(const std::vector<Calibration>& calibrations) {
   const std::vector<const Calibration*> same = ofOneMachine(calibrations), kept = oneASession(same);

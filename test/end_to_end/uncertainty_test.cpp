@@ -287,7 +287,15 @@ TEST_F(Certificates, AreSealedAsPdf) {
   EXPECT_EQ(half.status, 2);
   EXPECT_NE(half.error.find("failed to print"), std::string::npos) << half.error;
   EXPECT_FALSE(std::filesystem::exists(*folder_ / "other.pdf"));
-  for (const char* file : {"cert.pdf", "weasyprint"}) std::filesystem::remove(*folder_ / file);
+  // What was not printed was not issued: the next is no. 1, and replaces none.
+  run("promote c.yaml --store listed");
+  EXPECT_EQ(printed(other + " --store listed").status, 2);
+  const Answer first =
+      typed("certificate c.yaml -o first.html --task position:0,0,0 --trials 200 --store listed");
+  EXPECT_EQ(wordAfter(first.out, "certificate id: ").back(), '1') << first.out;
+  EXPECT_EQ(wordAfter(first.out, "replaces the one of id: "), "");
+  std::filesystem::remove_all(*folder_ / "listed");
+  for (const char* file : {"cert.pdf", "first.html", "weasyprint"}) std::filesystem::remove(*folder_ / file);
 }
 
 }  // namespace
