@@ -30,7 +30,8 @@ Json placeJson(const Eigen::Vector3d& at) {
   return orNull(at.allFinite(), roundedList(at / kMillimetre, kShown));
 }
 
-Json machineJson(const std::vector<Joint>& joints, const LiveMachine::State& s) {
+/// @param deaf why a stop would not reach the machine; empty: it would.
+Json machineJson(const std::vector<Joint>& joints, const LiveMachine::State& s, const std::string& deaf) {
   Json readings = Json::array();
   for (std::size_t j = 0; j < joints.size() && j < s.readings.size(); ++j)
     readings.push_back(rounded(s.readings[j] / readingUnit(joints[j]).factor, kShown));
@@ -44,7 +45,8 @@ Json machineJson(const std::vector<Joint>& joints, const LiveMachine::State& s) 
           {"status", s.status},
           {"observations", s.observations},
           {"measuring", s.measuring},
-          {"share", s.share}};
+          {"share", s.share},
+          {"no_stop", deaf}};
 }
 
 bool isMotion(const std::string& name) {
@@ -302,7 +304,7 @@ std::string Bench::live() {
   if (live_ != nullptr) {
     const LiveMachine::State state = live_->state();
     if (state.observations > 0) documents["contacts"] = state.observations;
-    machine = machineJson(live_->machine().joints(), state);
+    machine = machineJson(live_->machine().joints(), state, live_->deaf());
   }
   const auto ended = [](const Ended& e) -> Json {
     return {{"number", e.number}, {"name", e.name}, {"ok", e.ok}, {"message", e.message}};

@@ -107,6 +107,10 @@ class Workbench(unittest.TestCase):
     def setUpClass(cls):
         assert support.wait_until(lambda: rospy.has_param("/workbench/url"), 60)
         cls.url = rospy.get_param("/workbench/url")
+        page = Page(cls.url)
+        # the nodes of the machine start beside the workbench: a stop must reach them before a page may arm
+        assert page.wait(lambda s: s["machine"] and not s["machine"]["no_stop"]), page.state()
+        page.close()
         with open(os.path.join(support.PACKAGE, "config/demo_plan.yaml")) as f:
             cls.plan = f.read()
         # the same from wherever the machine stands: upwards first; and with a long way above the balls before
@@ -127,7 +131,7 @@ class Workbench(unittest.TestCase):
     def test_2_measure_diagnose_add_promote(self):
         page, frames = Page(self.url), support.Frames("probe_tip_corrected")
         self.addCleanup(page.close)
-        self.assertEqual(page.act("arm", client=page.client)[0], True)
+        self.assertEqual(page.act("arm", client=page.client), (True, "armed: the machine moves as long as this page is open"))
         self.assertTrue(page.act("home", client=page.client)[0])
         ok, message = page.act("run", client=page.client, plan=self.plan)
         self.assertTrue(ok, message)

@@ -41,7 +41,9 @@ TEST_F(BenchMotionTest, AMachineThatAStopDoesNotReachIsNotArmed) {
   EXPECT_NE(
       refused["message"].get<std::string>().find("a stop would not reach the machine: /axis_driver/stop"),
       std::string::npos);
+  EXPECT_EQ(live()["machine"]["no_stop"], "/axis_driver/stop is not connected");
   machine_.setDeaf("");
+  EXPECT_EQ(live()["machine"]["no_stop"], "");
   arm();
   EXPECT_FALSE(live()["armed"].is_null());
   machine_.setDeaf("/axis_driver/stop is not connected");
