@@ -69,6 +69,7 @@ struct ProfileResult {
 /// A formula of at most three constants that is equivalent to a profile.
 struct FormulaResult {
   EffectSpec effect;                               // type formula: ready to be added
+  EffectSpec profile;                              // in whose place
   double heldOutBefore = 0.0, heldOutAfter = 0.0;  // m (rad)
 };
 

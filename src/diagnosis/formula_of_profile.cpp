@@ -117,7 +117,8 @@ void describeProfiles(const Search& search, const Explanation& found, const Held
     member.id = "formula " + best.spec.yaml();
     std::vector<Member> members = others;
     members.push_back(member);
-    out.formulas.push_back({best.effect->spec(), p.heldOutBefore, held.withMembers(members) * unit});
+    out.formulas.push_back(
+        {best.effect->spec(), p.effect, p.heldOutBefore, held.withMembers(members) * unit});
   }
 }
 

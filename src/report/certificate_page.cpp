@@ -48,8 +48,7 @@ std::string itemSection(const Certificate& c) {
   html += factRow("Operator", c.facts.operatorName) + factRow("Date of measurement", measuredAt(k)) +
           factRow("Date of evaluation", k.created) +
           factRow("Date of issue", c.facts.issued.empty() ? utcNow() : c.facts.issued) +
-          factRow("Replaces",
-                  c.replaces.empty() ? "no earlier issue is known" : "certificate No. " + c.replaces) +
+          factRow("Replaces", c.replaces.empty() ? "no other certificate" : "certificate No. " + c.replaces) +
           factRow("Calibration", k.id) +
           factRow("Measured as", k.sessionSource + " (" + std::to_string(k.observations) +
                                      " observations, hash " + k.sessionHash + ")") +

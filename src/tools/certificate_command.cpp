@@ -235,18 +235,14 @@ void withStore(const Certificate& certificate, const Use& use) {
   }
 }
 
-/// Gives this issue its number: the next of those that the store of the calibration lists.
-void numberIssue(const CertificateCommand& c, const IssueNumber& before, Certificate& certificate) {
-  const std::string form = formOf(c.output), id = certificate.calibration.id;
-  IssueNumber number{id, issueStamp(), before.count + 1};
+/// Gives this issue its number: the next of those that the store of the calibration lists. It replaces the
+/// one whose file it overwrites, and no other: a second copy for another customer leaves the first valid.
+void numberIssue(const IssueNumber& before, Certificate& certificate) {
+  IssueNumber number{certificate.calibration.id, issueStamp(), before.count + 1};
   if (before.count > 0) certificate.replaces = before.text();
   withStore(certificate, [&](const CalibrationStore& store) {
-    for (const CalibrationStore::Issue& i : store.issues()) {
-      if (i.id != id) continue;
-      number.count = std::max(number.count, i.count + 1);
-      if (before.count == 0 && i.form == form)
-        certificate.replaces = IssueNumber{i.id, i.stamp, i.count}.text();
-    }
+    for (const CalibrationStore::Issue& i : store.issues())
+      if (i.id == number.calibration) number.count = std::max(number.count, i.count + 1);
   });
   certificate.number = number.text();
 }
@@ -330,7 +326,7 @@ void runCertificate(CertificateCommand& c, int& exitStatus) {
   IssueNumber before;
   if (kindOf(c.output) == FileKind::kCertificate)
     before = issueIn(readFile(c.output), c.output, calibration.id);
-  numberIssue(c, before, certificate);
+  numberIssue(before, certificate);
   const std::string content = contentOf(c, certificate, key);
   c.files.write(c.output, content);
   listIssue(c, certificate);

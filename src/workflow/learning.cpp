@@ -38,8 +38,6 @@ void holdOutAsTheLedger(Diagnosis& d, const Session& session, const Calibration&
     c.heldOutBefore = before;
     c.heldOutAfter = worked ? with(c.effect) : kNotMeasured;
   }
-  std::vector<double> formulaOf;  // a formula: the figure that tells of which profile it speaks
-  for (const FormulaResult& f : d.formulas) formulaOf.push_back(f.heldOutBefore);
   double now = before;
   const auto step = [&](const EffectSpec& effect, double& stepBefore, double& stepAfter) {
     stepBefore = now;
@@ -48,14 +46,13 @@ void holdOutAsTheLedger(Diagnosis& d, const Session& session, const Calibration&
   };
   for (CandidateResult& c : d.missing) step(c.effect, c.heldOutBefore, c.heldOutAfter);
   for (ProfileResult& p : d.profiles) {
-    const double old = p.heldOutBefore;
     step(p.effect, p.heldOutBefore, p.heldOutAfter);
-    for (std::size_t k = 0; k < d.formulas.size(); ++k) {
-      if (formulaOf[k] != old) continue;
+    for (FormulaResult& f : d.formulas) {
+      if (!(f.profile == p.effect)) continue;
       std::vector<EffectSpec> all = calibration.effects;  // with the formula in the profile's place
-      for (const EffectSpec& added : found) all.push_back(added == p.effect ? d.formulas[k].effect : added);
-      d.formulas[k].heldOutBefore = p.heldOutBefore;
-      d.formulas[k].heldOutAfter = heldOutOf(fitWith(session, calibration, all, fit), d.angular);
+      for (const EffectSpec& added : found) all.push_back(added == p.effect ? f.effect : added);
+      f.heldOutBefore = p.heldOutBefore;
+      f.heldOutAfter = heldOutOf(fitWith(session, calibration, all, fit), d.angular);
     }
   }
   if (d.missing.empty() && d.profiles.empty() && !found.empty()) now = with(found.front());
