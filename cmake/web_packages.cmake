@@ -1,6 +1,8 @@
 # The packages of the npm registry that the pages use: name@version, and for each file of it its place in the package, the
-# name it gets in the build's folder web, and its sha256. All MIT.
+# name it gets in the build's folder web, and its sha256. Those that the pages use are MIT; axe-core (MPL 2.0) judges the
+# accessibility of the pages in the tests and is not installed.
 set(web_packages plotly preact uplot three)
+set(web_test_packages axe)
 set(plotly_package "plotly.js-dist-min@4.1.2")
 set(plotly_files
     plotly.min.js plotly.min.js 2f645d1bade8182fce161b7f10f89402f8b315805250ff4a94672a28d23c390a)
@@ -16,3 +18,6 @@ set(three_package "three@0.187.0")
 set(three_files
     build/three.module.js three.module.js 104f56145899722094556490d787aae0617cc2fc3382f31df02d724ea1aee341
     build/three.core.js three.core.js 613e370f76638fdef83926642bf256dc9615684922de1ce1f63a8583e5d78578)
+set(axe_package "axe-core@4.14.1")
+set(axe_files
+    axe.min.js axe.min.js 29348999450cdf2849a8e70b7912fc2da85a849da39c0d0d5394f51d4a9ed95c)

@@ -215,6 +215,8 @@ def meshes(browser, folder):
 
 def every_view(browser, bench):
     pictures = os.environ.get("MM_SCREENSHOTS")
+    with open(os.path.join(os.path.dirname(MM), "..", "..", "..", "web", "axe.min.js")) as axe:
+        browser.evaluate(axe.read() + "; typeof axe")
     for width in (1280, 400):
         for scheme in ("light", "dark"):
             browser.resize(width, 900 if width > 600 else 800)
@@ -226,10 +228,9 @@ def every_view(browser, bench):
                 check("%s, %d px, %s: fits" % (view, width, scheme), too_wide <= 0, too_wide)
                 opened = browser.evaluate("scrollTo(0, 1e6), document.querySelector('.opened').getBoundingClientRect().top >= 0 && document.querySelector('.opened').innerText")
                 check("%s, %d px, %s: session and machine are on the screen" % (view, width, scheme), opened == "plate.bag, machine three_axis", opened)
-                unnamed = browser.evaluate("""[...document.querySelectorAll("button, a, select, input, textarea, iframe, canvas")].filter((e) =>
-                    e.offsetParent !== null && e.tagName !== "CANVAS" && !(e.textContent.trim() || e.getAttribute("aria-label") || e.title ||
-                    (e.labels && e.labels.length))).map((e) => e.outerHTML.slice(0, 90))""")
-                check("%s, %d px, %s: everything has a name" % (view, width, scheme), not unnamed, unnamed)
+                found = browser.evaluate("""axe.run(document, { iframes: false }).then((r) => r.violations.map((v) =>
+                    v.id + ": " + v.nodes.slice(0, 3).map((n) => n.html.slice(0, 120) + " " + (n.any[0] ? n.any[0].message : "")).join(" | ")))""")
+                check("%s, %d px, %s: axe-core finds nothing" % (view, width, scheme), not found, found)
                 if pictures:
                     browser.evaluate("new Promise((r) => requestAnimationFrame(() => requestAnimationFrame(r)))")
                     browser.screenshot(os.path.join(pictures, "%s-%d-%s.png" % (view, width, scheme)))

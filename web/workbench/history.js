@@ -48,7 +48,7 @@ export function HistoryView() {
   if (!history) return h(Empty, null, "No calibration is kept yet.");
   const list = history.calibrations;
   return h("div", null,
-    h(Section, { title: "Calibrations", lead: "Kept in " + history.store }, list.length ? h(Table, { caption: list.length + (list.length === 1 ? " calibration" : " calibrations, latest first"), columns: [["Id", "nowrap"], ["state", "nowrap"], ["created (UTC)", "nowrap"], ["effects", "text"], ["held-out RMS (k\u00a0=\u00a02)", "n"], ["", "n"]],
+    h(Section, { title: "Calibrations", lead: "Kept in " + history.store }, list.length ? h(Table, { caption: list.length + (list.length === 1 ? " calibration" : " calibrations, latest first"), columns: [["Id", "nowrap"], ["state", "nowrap"], ["created (UTC)", "nowrap"], ["effects", "text"], ["held-out RMS (k\u00a0=\u00a02)", "n"], ["action", "n"]],
       rows: [...list].reverse().map((c) => Object.assign([c.id, c.damaged ? "damaged" : c.active ? "active" : c.candidate ? "candidate" : "", clock(c.created || "", ""), c.damaged ? said(c.damaged) : c.effects.map((e) => said(e.in_words)).join("; ") || "none", rms(c.held_out_rms_um, c.observations, "um"),
         c.damaged ? "" : h("span", { class: "pair-of-buttons" }, h(Action, { label: "Use", title: "takes it in hand on this session", run: () => act("use", { id: c.id }) }), c.active ? null : h(Action, { label: "Promote", confirm: "Make it active", run: () => act("promote", { id: c.id }) }))], { chosen: c.active })) }) : h(Empty, null, "None yet: what is added, or calibrated, is kept here.")),
     h(Section, { title: "Two beside each other" }, h(Beside, { list })),

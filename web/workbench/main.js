@@ -79,7 +79,6 @@ function Page() {
     addEventListener("drop", drop);
     return () => { removeEventListener("hashchange", go); removeEventListener("keydown", key); removeEventListener("dragover", over); removeEventListener("dragleave", leave); removeEventListener("drop", drop); };
   }, []);
-  useEffect(() => { const here = document.querySelector("nav a[aria-current]"); if (here) here.scrollIntoView({ block: "nearest", inline: "nearest" }); }, [view]);
   useEffect(() => { document.title = kViews.find(([id]) => id === view)[1] + " – workbench"; }, [view]);
   const View = kViews.find(([id]) => id === view)[2];
   return h("div", null,
