@@ -9,8 +9,8 @@ import { columnsOf, csvOf, save, svgOf } from "./picture.js";
 /** An axis in the colours of the page. */
 export const axis = (c, label, more) => Object.assign({ values: (u, splits, at, space, step) => splits.map((v) => (known(v) ? minus(String(Number(v.toPrecision(12)))) : "")), size: 32, stroke: c.soft, grid: { stroke: c.line, width: 1 }, ticks: { stroke: c.line, width: 1 }, label, labelSize: 20, labelGap: 2, labelFont: "12px system-ui, sans-serif", font: "12px system-ui, sans-serif" }, more);
 
-/** @param make colours → [options of uPlot, data, points that it draws by itself]; called again when one of `inputs` changes.
- * @param onKey of a chart whose points are picked by keys. */
+/** `make`: colours → [options of uPlot, data, points that it draws by itself], called again when one of `inputs` changes;
+ * `onKey` of a chart whose points are picked by keys. */
 export function Chart({ make, inputs, label, tall, onReady, onKey }) {
   const place = useRef(null), plot = useRef(null), points = useRef(null);
   const theme = useTheme();
@@ -37,7 +37,7 @@ export function Chart({ make, inputs, label, tall, onReady, onKey }) {
 }
 
 /** A curve with its band: x, y and the half width of the band. */
-export function curveWithBand(c, { x, y, half, xLabel, yLabel, words }) {
+export function curveWithBand(c, { x, y, half, xLabel, yLabel, words = null }) {
   const low = y.map((v, i) => v - half[i]), high = y.map((v, i) => v + half[i]);
   return [{
     scales: { x: { time: false } },

@@ -5,7 +5,7 @@ import { useMemo, useState } from "preact/hooks";
 import { useDocument } from "./server.js";
 import { Choice, Empty, Meter, Section, Table, Tile, Tiles, colours, useTheme } from "./parts.js";
 import { Legend, Scatter } from "./scatter.js";
-import { measured, rms, shown, text, unitOf, value } from "./units.js";
+import { measured, rms, text, unitOf, value } from "./units.js";
 
 const kAll = "all";
 const kAlong = /^residual along/; // a deviation, measured minus model, whatever measured it
@@ -61,7 +61,7 @@ export function CompareView() {
     const drawn = new Uint8Array(points.rows).fill(1);
     if (!fc || word === kAll) return drawn;
     const wanted = Number(word), limits = words ? null : quarter(fc.values, wanted);
-    for (let r = 0; r < points.rows; ++r) drawn[r] = words ? fc.values[r] === wanted : known(fc.values[r]) && fc.values[r] >= limits[0] && fc.values[r] <= limits[1];
+    for (let r = 0; r < points.rows; ++r) drawn[r] = Number(words ? fc.values[r] === wanted : known(fc.values[r]) && fc.values[r] >= limits[0] && fc.values[r] <= limits[1]);
     return drawn;
   }, [points, fc, word]);
   const before = useMemo(() => (points && points.before ? rmsOf(points.before, null) : null), [points]);

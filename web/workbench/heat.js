@@ -6,7 +6,7 @@ import { useDocument } from "./server.js";
 import { Empty, Section, Table } from "./parts.js";
 import { Chart, axis, curveWithBand } from "./chart.js";
 import { wordColours } from "./scatter.js";
-import { shown, text, unitOf } from "./units.js";
+import { shown, unitOf } from "./units.js";
 
 const hours = (list) => list.map((s) => s / 3600);
 

@@ -4,7 +4,7 @@ import { h } from "preact";
 import { useState } from "preact/hooks";
 import { act, downloadAddress, useDocument } from "./server.js";
 import { Action, Empty, Section, Table } from "./parts.js";
-import { measured, rms, text, unitOf, value } from "./units.js";
+import { measured, rms, text } from "./units.js";
 
 /** The steps with their error before and after, as bars that fall. */
 function Bars({ steps, noise, unit, count }) {

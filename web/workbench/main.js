@@ -5,7 +5,8 @@ import { useEffect, useState } from "preact/hooks";
 import { act, connect, name, state, useDocument, useNews } from "./server.js";
 import { Action, Choice, useUnits } from "./parts.js";
 import { units } from "./units.js";
-import { SessionView, sendFile } from "./session.js";
+import { ImportView, sendFile } from "./import.js";
+import { SessionView } from "./session.js";
 import { CompareView } from "./compare.js";
 import { DiagnoseView } from "./diagnose.js";
 import { LedgerView } from "./ledger.js";
@@ -14,9 +15,10 @@ import { MeasureView } from "./measure.js";
 import { HeatView } from "./heat.js";
 import { HistoryView } from "./history.js";
 
-const kViews = [["session", "Session", SessionView], ["compare", "Compare", CompareView], ["diagnose", "Diagnose", DiagnoseView], ["ledger", "Ledger", LedgerView],
+/** @type {[string, string, Function][]} */
+const kViews = [["import", "Import", ImportView], ["session", "Session", SessionView], ["compare", "Compare", CompareView], ["diagnose", "Diagnose", DiagnoseView], ["ledger", "Ledger", LedgerView],
   ["correct", "Correct", CorrectView], ["measure", "Measure", MeasureView], ["heat", "Heat", HeatView], ["history", "History", HistoryView]];
-const viewOf = () => (kViews.find(([id]) => id === location.hash.slice(1)) || kViews[0])[0];
+const viewOf = () => (kViews.find(([id]) => id === location.hash.slice(1)) || kViews[1])[0];
 
 function setTheme(theme) {
   if (theme) document.documentElement.dataset.theme = theme;
@@ -91,9 +93,9 @@ function Page() {
         h("label", { class: "choice", for: "who" }, h("span", null, "Your name, for the log"), h("input", { id: "who", value: who, maxlength: 40, autocomplete: "name", onInput: (e) => { setWho(e.target.value); name.set(e.target.value); } })),
         h("button", { onClick: () => setHelp(true) }, "Keys")))),
     h(Running), h(Said),
-    help ? h("div", { class: "card help", role: "dialog", "aria-label": "Keys" }, h("p", null, "1 to 8: the views. ?: this. Tab and Enter reach everything; arrow keys turn a picture of the machine that has the focus, and go from point to point of one of residuals. Escape twice: stop the machine."), h("button", { onClick: () => setHelp(false) }, "Close")) : null,
+    help ? h("div", { class: "card help", role: "dialog", "aria-label": "Keys" }, h("p", null, "1 to 9: the views. ?: this. Tab and Enter reach everything; arrow keys turn a picture of the machine that has the focus, and go from point to point of one of residuals. Escape twice: stop the machine."), h("button", { onClick: () => setHelp(false) }, "Close")) : null,
     h("main", { id: "view", tabindex: -1, "aria-label": kViews.find(([id]) => id === view)[1] }, h(View, { key: view })),
-    dropping ? h("div", { class: "dropping" }, "Drop a bag, or a CSV of the same machine and artifact") : null);
+    dropping ? h("div", { class: "dropping" }, "Drop a file of measurements, or a bag") : null);
 }
 
 setTheme(localStorage.getItem("mm-theme") || "");

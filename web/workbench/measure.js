@@ -3,8 +3,8 @@
 import { h } from "preact";
 import { useState } from "preact/hooks";
 import { act, downloadAddress, state, useDocument, useNews, useNumber } from "./server.js";
-import { Action, Empty, Section, Table, Tile, Tiles } from "./parts.js";
-import { text, unitOf, value } from "./units.js";
+import { Action, Section, Table, Tile, Tiles } from "./parts.js";
+import { unitOf, value } from "./units.js";
 import { PlanPicture } from "./plan.js";
 
 function Moves() {

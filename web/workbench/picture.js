@@ -3,14 +3,14 @@
 const cellOf = (value) => (typeof value === "string" ? '"' + value.replace(/"/g, '""') + '"' : known(value) ? String(value) : "");
 const escaped = (value) => String(value).replace(/[&<>"]/g, (c) => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;" })[c]);
 
-/** @param columns of [heading, values]. */
+/** `columns`: of [heading, values]. */
 export const csvOf = (columns) => [columns.map(([name]) => cellOf(name)), ...columns[0][1].map((first, r) => columns.map(([, values]) => cellOf(values[r])))]
   .map((row) => row.join(",")).join("\r\n") + "\r\n";
 
 /** The columns of a uPlot's data, under the words of its series or axes. */
 export const columnsOf = (plot) => plot.data.map((values, i) => [plot.series[i].named || plot.axes[Math.min(i, 1)].label, Array.from(values)]);
 
-/** @param plot a uPlot that is drawn. @param points {x, y, colour, half: of an error bar} in the units of its axes. @param c colours. */
+/** `plot`: a uPlot that is drawn; `points`: x, y, colour, and half of an error bar, in the units of its axes; `c`: colours. */
 export function svgOf(plot, points, c) {
   const ratio = devicePixelRatio, box = { x: plot.bbox.left / ratio, y: plot.bbox.top / ratio, w: plot.bbox.width / ratio, h: plot.bbox.height / ratio };
   const px = (v) => (box.x + plot.valToPos(v, "x")).toFixed(1), py = (v) => (box.y + plot.valToPos(v, "y")).toFixed(1);

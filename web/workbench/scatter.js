@@ -2,7 +2,6 @@
 
 import { h } from "preact";
 import { useEffect, useMemo, useRef } from "preact/hooks";
-import uPlot from "uplot";
 import { Chart, axis } from "./chart.js";
 import { shown, unitOf } from "./units.js";
 
@@ -79,7 +78,7 @@ function classes(x, y, words) {
   });
 }
 
-/** @param rows a row: 1 where it is drawn. @param x, y, colour columns; colour may be null. */
+/** `rows`: 1 where a row is drawn; `x`, `y`, `colour`: columns, `colour` may be null. */
 export function Scatter({ x, y, colour, rows, label, onPick }) {
   const xf = shown(x.unit)[0], yf = shown(y.unit)[0];
   const drawn = useMemo(() => {
