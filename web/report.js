@@ -64,10 +64,30 @@ function advice() {
     unknown_effect: "Look for the cause in the figures below.", confusable: diagnosis.next_measurement.length ? "Measure the listed moves." : "Measure what would separate them, as stated below for each." }[diagnosis.verdict] || "";
 }
 
+function facts() {
+  const calibration = data.calibration ? fileName(data.calibration) + (data.calibration_id ? " (" + data.calibration_id + ")" : "") + (data.method ? ", found by " + data.method.replace(/_/g, " ") + ", seed " + data.seed : "") : "none";
+  return el("dl", { class: "facts" }, [["Session", fileName(data.session)], ["Machine", fileName(data.machine)], ["Serial number", data.serial], ["Operator", data.operator], ["Measured", data.measured ? clock(data.measured) : null], ["Measurements", diagnosis.observations],
+    ["Calibration", calibration], ["Report of", clock(data.created)]].filter(([, value]) => value).map(([name, value]) => el("div", {}, el("dt", {}, name), el("dd", {}, String(value)))));
+}
+
+function warnings() {
+  const all = [data.session_warning ? "The session: " + data.session_warning : null,
+    data.same_session === false ? "This session is not the one that the calibration was made from: the row “values held” shows whether it is still valid." : null,
+    data.left_out ? data.left_out + " measurements lack an input of the model and were left out." : null];
+  return all.filter(Boolean).map((text) => el("p", { class: "warning" }, text));
+}
+
+const navigation = () => el("nav", { "aria-label": "Sections" }, contents);
+
+/** Without a calibration: the machine as it is, and which tests its session is. */
+function headerAsItIs() {
+  const tests = data.tests.map((t) => el("li", {}, t.in_words));
+  main.replaceChildren(el("header", {}, el("h1", {}, data.title),
+    el("div", { class: "verdict" }, el("div", { class: "badge" }, "The machine as it is"), el("p", { class: "sentence" }, "No calibration was given: figures and residuals are those of the nominal machine."),
+      tests.length ? el("ul", { class: "plain" }, tests) : null)), ...warnings(), facts(), navigation());
+}
+
 function header() {
-  const facts = [["Session", fileName(data.session)], ["Machine", fileName(data.machine)], ["Serial number", data.serial], ["Operator", data.operator], ["Measured", data.measured ? clock(data.measured) : null], ["Measurements", diagnosis.observations],
-    ["Calibration", fileName(data.calibration) + (data.calibration_id ? " (" + data.calibration_id + ")" : "") + (data.method ? ", found by " + data.method.replace(/_/g, " ") + ", seed " + data.seed : "")],
-    ["Report of", clock(data.created)]].filter(([, value]) => value);
   const [first, ...rest] = sentences(said(diagnosis.sentence));
   const next = present([commands()]);
   const todo = next.length ? "" : advice();
@@ -77,13 +97,12 @@ function header() {
   const shown = picture();
   if (shown) main.append(el("div", { class: "lead-picture" }, shown));
   main.append(el("section", { class: "next", "aria-labelledby": "step" }, el("h2", { id: "step" }, "Next step"), next.length ? next : el("p", {}, todo)));
-  const warnings = [data.session_warning ? "The session: " + data.session_warning : null,
-    data.same_session === false ? "This session is not the one that the calibration was made from: the row “values held” shows whether it is still valid." : null,
-    data.left_out ? data.left_out + " measurements lack an input of the model and were left out." : null];
-  for (const text of warnings.filter(Boolean)) main.append(el("p", { class: "warning" }, text));
-  main.append(el("dl", { class: "facts" }, facts.map(([name, value]) => el("div", {}, el("dt", {}, name), el("dd", {}, String(value))))));
-  main.append(el("nav", { "aria-label": "Sections" }, contents));
+  main.append(...warnings(), facts(), navigation());
 }
+
+/** Figures in boxes: [label, value, its standard uncertainty, unit, notes …]. */
+const tileBoxes = (tiles) => el("div", { class: "tiles" }, tiles.map(([label, value, std, unit, ...notes]) => el("div", { class: "tile" }, el("div", { class: "label" }, label), el("div", { class: "value" }, num(value), " ", el("small", {}, known(value) ? unit : "")),
+  [known(std) && std > 0 ? "± " + digits(2 * std, 2) + " " + unit + " (k = 2)" : null, ...notes].filter(Boolean).map((note) => el("div", { class: "label" }, note)))));
 
 function errors() {
   if (!data.figures.length) return;
@@ -96,9 +115,7 @@ function errors() {
   const columns = [["Model", "text"]];
   for (const [unit] of kinds) for (const name of ["RMS", "held-out RMS", "95 % below", "largest"]) columns.push([name + ", " + unitText(unit), "n"]);
   columns.push(["χ²/ν", "n"], ["outliers", "n"]);
-  section("error", "The error, before and after", el("div", { class: "tiles" }, tiles.map(([label, value, std]) =>
-    el("div", { class: "tile" }, el("div", { class: "label" }, label), el("div", { class: "value" }, num(value), " ", el("small", {}, known(value) ? kUnit : "")),
-      known(std) && std > 0 ? el("div", { class: "label" }, "± " + digits(2 * std, 2) + " " + kUnit + " (k = 2)") : null))),
+  section("error", data.calibration ? "The error, before and after" : "Residuals of the nominal machine", tileBoxes(tiles.map(([label, value, std]) => [label, value, std, kUnit])),
   table("Size of the residuals without outliers (each fit excludes its own). Held out: parameters refitted without the block of time that is evaluated, no drift predicted. ± is the expanded uncertainty, k = 2", columns, data.figures.map((f) => [[f.name, el("div", { class: "note" }, f.note)],
     ...kinds.flatMap(([, s]) => [bare(f["rms" + s], f["rms_std" + s]), bare(f["held_out_rms" + s], rmsStd(f["held_out_rms" + s], f["count" + s])), bare(f["q95" + s], 0.95 * f["q95" + s] / Math.sqrt(f["count" + s])), num(f["max" + s])]),
     diagnosis.repeatability_from === "estimated" ? "–" : bare(f.chi2_per_dof, f.chi2_per_dof * Math.sqrt(2 / Math.max(1, f.degrees_of_freedom))), known(f.outliers) ? String(f.outliers) : "–"])));
@@ -124,15 +141,20 @@ function rivals(m) {
   return lines.length ? [el("dt", {}, "Or instead"), el("dd", {}, el("ul", { class: "plain" }, lines.map((line) => el("li", {}, line))))] : [];
 }
 
+function foundCard(m, title) {
+  return el("div", { class: "card" }, el("h3", {}, title), el("dl", {},
+    entry("Size", m.parameters.map(sized).join(", ")),
+    entry("Odds", m.odds_in_words),
+    entry("Share of the error", known(m["size" + kSuffix]) && m["size" + kSuffix] > 0 ? plusMinus(m["size" + kSuffix], sizeStd(heldOut(m)), data.unit) + " RMS" + (diagnosis.repeatability_from === "estimated" || !(data.noise > 0) ? "" : ", " + num(m["size" + kSuffix] / data.noise, 2) + " × the repeatability") : ""),
+    entry("Held-out RMS", arrow(heldOut(m))),
+    rivals(m), entry("Looks the same", m.looks_the_same), entry("Cause", m.cause), entry("Remedy", m.remedy)));
+}
+
 function missing() {
-  if (!diagnosis.missing.length) return;
-  section("missing", "What is missing", lead("In the order found; sizes after refitting everything together."),
-    diagnosis.missing.map((m, i) => el("div", { class: "card" }, el("h3", {}, i + 1 + ". " + withSymbol(m)), el("dl", {},
-      entry("Size", m.parameters.map(sized).join(", ")),
-      entry("Odds", m.odds_in_words),
-      entry("Share of the error", known(m["size" + kSuffix]) && m["size" + kSuffix] > 0 ? plusMinus(m["size" + kSuffix], sizeStd(heldOut(m)), data.unit) + " RMS" + (diagnosis.repeatability_from === "estimated" || !(data.noise > 0) ? "" : ", " + num(m["size" + kSuffix] / data.noise, 2) + " × the repeatability") : ""),
-      entry("Held-out RMS", arrow(heldOut(m))),
-      rivals(m), entry("Looks the same", m.looks_the_same), entry("Cause", m.cause), entry("Remedy", m.remedy)))));
+  const named = diagnosis.missing.filter((m) => !m.one_of_several), several = diagnosis.missing.filter((m) => m.one_of_several);
+  if (named.length) section("missing", "What is missing", lead("In the order found; sizes after refitting everything together."), named.map((m, i) => foundCard(m, i + 1 + ". " + withSymbol(m))));
+  if (several.length) section("several", "One of several acts", lead("These data do not tell which; the most probable first, its rivals with their odds."), several.map((m) => foundCard(m, withSymbol(m))));
+  if (diagnosis.possible.length) section("possible", "Not established, and not excluded", diagnosis.possible.map((p) => el("p", {}, el("b", {}, withSymbol(p)), ", odds " + p.odds_in_words + (p.shown_by ? "; would show it: " + said(p.shown_by) : ""))));
 }
 
 function unexplained() {
@@ -166,7 +188,7 @@ function sharePercent(share) {
 function where() {
   if (!diagnosis.where.length) return;
   const rows = diagnosis.where.map((w) => Object.assign([w.variable, [meter(w.share), sharePercent(w.share)], pValue(w.p_value), sharePercent(w.share_beside), pValue(w.p_value_beside)], { chosen: w.p_value_beside < 0.01 }));
-  sectionIf(diagnosis.where.some((w) => w.p_value < 0.01), "where", "Where the model fails", "no variable explains the residuals", lead("Share of what is left that one variable explains, in any direction: alone, and of what those above it leave. p: probability of so much by chance in the noise that was found, corrected for the number of variables; bold where it is below 0.01 beside those above."),
+  sectionIf(diagnosis.where.some((w) => w.p_value < 0.01), "where", data.calibration ? "Where the model fails" : "Where the nominal machine fails", "no variable explains the residuals", lead("Share of what is left that one variable explains, in any direction: alone, and of what those above it leave. p: probability of so much by chance in the noise that was found, corrected for the number of variables; bold where it is below 0.01 beside those above."),
     longTable("Variables, largest share first", [["Variable"], ["Share alone", "nowrap"], ["p", "n"], ["beside those above", "n"], ["p", "n"]], rows, 12));
 }
 
@@ -186,27 +208,76 @@ function space() {
   if (data.vectors) sectionIf(data.added.length > 0, "space", "Residuals in space", "no effect is named that they could show", spaceSection(data.vectors));
 }
 
+const kPositioning = [["A", "Accuracy A, bi-directional"], ["A_forward", "Accuracy A↑"], ["A_backward", "Accuracy A↓"],
+  ["R", "Repeatability R, bi-directional"], ["R_forward", "Repeatability R↑"], ["R_backward", "Repeatability R↓"],
+  ["E", "Systematic deviation E, bi-directional"], ["E_forward", "Systematic deviation E↑"], ["E_backward", "Systematic deviation E↓"],
+  ["M", "Range of the mean bi-directional deviation M"], ["B", "Reversal error B (largest amount)"], ["B_mean", "Mean reversal error B̄ (forward − backward)"]];
+
+/** Each target of a positioning test, behind a line that opens. */
+function targetsOf(a, heading = "Each target: nominal and actual position") {
+  const m = a.measured, unit = unitText(a.unit), place = (x) => minus(x.toFixed(4)), micro = a.unit === "um" ? 1e-3 : 1 / 3600;
+  const cell = (x) => (known(x) ? minus(x.toFixed(2)) : "–");
+  return el("details", {}, el("summary", {}, heading), table("Mean actual position, mean deviation x̄, standard deviation s of the runs, reversal error B, as measured",
+      [["Target, " + unitText(a.position_unit), "n"], ["actual ↑", "n"], ["actual ↓", "n"], ["x̄↑, " + unit, "n"], ["x̄↓, " + unit, "n"], ["s↑, " + unit, "n"], ["s↓, " + unit, "n"], ["B, " + unit, "n"], ["runs ↑ / ↓", "n"]],
+      m.at.map((x, i) => [place(x), known(m.forward[i]) ? place(x + micro * m.forward[i]) : "–", known(m.backward[i]) ? place(x + micro * m.backward[i]) : "–", cell(m.forward[i]), cell(m.backward[i]),
+        cell(m.s_forward[i]), cell(m.s_backward[i]), known(m.forward[i]) && known(m.backward[i]) ? cell(m.forward[i] - m.backward[i]) : "–", m.runs[i].join(" / ")])));
+}
+
+/** Pictures and tables of the positioning of one axis. */
+function positioningTest(a, heading) {
+  const m = a.measured, unit = unitText(a.unit), counts = m.runs.flat().filter((n) => n > 0);
+  const most = Math.max(...counts), least = Math.min(...counts);
+  const remarks = (least < 5 || m.at.length < 5 ? ". The standard asks for at least five targets and five runs in each direction" : "") + (a.travel_assumed ? ". The direction of approach was not recorded: it was assumed " + a.travel_assumed : "");
+  return [el("h3", {}, heading), pair((part, name) => positioningFigure(a, part, name).node, "calibrated"),
+    table(heading + ", " + m.at.length + " targets, " + (least === most ? least : least + " to " + most) + " runs in each direction" + remarks,
+      measuredAndLeft([["Figure"]], unit), kPositioning.map(([key, name]) => [name, ...leftToo(bare(m.figures[key], m.std[key]), bare(a.calibrated.figures[key], a.calibrated.std[key]))])),
+targetsOf(a)];
+}
+
+// What the model leaves is shown where there is a calibration: of the nominal machine it is what was measured.
+const leftToo = (measured, left) => (data.calibration ? [measured, left] : [measured]);
+const measuredAndLeft = (first, unit) => [...first, ...leftToo(["as measured, " + unit, "n"], ["left by the model, " + unit, "n"])];
+/** A figure as measured, and beside it what the model leaves. */
+const pair = (make, left) => el("div", { class: "pair" }, leftToo([make("measured", "As measured")], [make(left, "What the model leaves")]));
+const asLeft = (text) => (data.calibration ? " What the model leaves is " + text : "");
+
 function positioning() {
   if (!data.positioning.length) return;
-  const names = [["A", "Accuracy A, bi-directional"], ["A_forward", "Accuracy A↑"], ["A_backward", "Accuracy A↓"],
-    ["R", "Repeatability R, bi-directional"], ["R_forward", "Repeatability R↑"], ["R_backward", "Repeatability R↓"],
-    ["E", "Systematic deviation E, bi-directional"], ["E_forward", "Systematic deviation E↑"], ["E_backward", "Systematic deviation E↓"],
-    ["M", "Range of the mean bi-directional deviation M"], ["B", "Reversal error B (largest amount)"], ["B_mean", "Mean reversal error B̄ (forward − backward)"]];
-  section("positioning", "Positioning by ISO 230-2", lead("Deviations (actual minus target position) found by an independent instrument, by target and direction of approach; figures as ISO 230-2:2014 defines them, with its coverage factor of 2 on s. Every run counts. ± is their expanded uncertainty (k = 2) from the scatter of the runs alone, without that of the instrument, its alignment and the temperatures. What the model leaves is the deviation that a corrected machine would still have."),
-    data.positioning.map((a) => {
-      const m = a.measured, unit = unitText(a.unit), counts = m.runs.flat().filter((n) => n > 0);
-      const most = Math.max(...counts), least = Math.min(...counts);
-      const remarks = (least < 5 || m.at.length < 5 ? ". The standard asks for at least five targets and five runs in each direction" : "") + (a.travel_assumed ? ". The direction of approach was not recorded: it was assumed " + a.travel_assumed : "");
-      const place = (x) => minus(x.toFixed(4)), micro = a.unit === "um" ? 1e-3 : 1 / 3600;
-      const cell = (x) => (known(x) ? minus(x.toFixed(2)) : "–");
-      return [el("h3", {}, "Axis " + a.name), el("div", { class: "pair" }, positioningFigure(a, "measured", "As measured").node, positioningFigure(a, "calibrated", "What the model leaves").node),
-        table("Axis " + a.name + ", " + m.at.length + " targets, " + (least === most ? least : least + " to " + most) + " runs in each direction" + remarks,
-          [["Figure"], ["as measured, " + unit, "n"], ["left by the model, " + unit, "n"]], names.map(([key, name]) => [name, bare(m.figures[key], m.std[key]), bare(a.calibrated.figures[key], a.calibrated.std[key])])),
-        el("details", {}, el("summary", {}, "Each target: nominal and actual position"), table("Mean actual position, mean deviation x̄, standard deviation s of the runs, reversal error B, as measured",
-          [["Target, " + unitText(a.position_unit), "n"], ["actual ↑", "n"], ["actual ↓", "n"], ["x̄↑, " + unit, "n"], ["x̄↓, " + unit, "n"], ["s↑, " + unit, "n"], ["s↓, " + unit, "n"], ["B, " + unit, "n"], ["runs ↑ / ↓", "n"]],
-          m.at.map((x, i) => [place(x), known(m.forward[i]) ? place(x + micro * m.forward[i]) : "–", known(m.backward[i]) ? place(x + micro * m.backward[i]) : "–", cell(m.forward[i]), cell(m.backward[i]),
-            cell(m.s_forward[i]), cell(m.s_backward[i]), known(m.forward[i]) && known(m.backward[i]) ? cell(m.forward[i] - m.backward[i]) : "–", m.runs[i].join(" / ")])))];
-    }));
+  section("positioning", "Positioning by ISO 230-2", lead("Deviations (actual minus target position) found by an independent instrument, by target and direction of approach; figures as ISO 230-2:2014 defines them, with its coverage factor of 2 on s. Every run counts. ± is their expanded uncertainty (k = 2) from the scatter of the runs alone, without that of the instrument, its alignment and the temperatures." + asLeft("the deviation that a corrected machine would still have.")),
+    data.positioning.map((a) => positioningTest(a, "Axis " + a.name)));
+}
+
+/** "+x−y" of a direction in the machine's volume. */
+const signed = (name) => name.replace(/-(?=[a-z])/g, "−");
+
+function diagonals() {
+  if (!data.diagonals.length) return;
+  for (const a of data.diagonals) [a.axis, a.name] = [signed(a.axis), signed(a.name)];
+  const largest = data.diagonals.reduce((most, a) => (a.measured.figures.E > most.measured.figures.E ? a : most));
+  const columns = [["E", "E"], ["E_forward", "E↑"], ["E_backward", "E↓"], ["R", "R"], ["B", "B"], ["B_mean", "mean B̄"]], text = (part, key) => bare(part.figures[key], part.std[key]);
+  const cell = (a, key) => [text(a.measured, key), data.calibration ? el("div", { class: "note" }, "left " + text(a.calibrated, key)) : null];
+  const tile = (a, label) => [label, a.measured.figures.E, a.measured.std.E, "µm", data.calibration ? "left by the model: " + bare(a.calibrated.figures.E, a.calibrated.std.E) + " µm" : null];
+  section("diagonals", "Diagonal displacements by ISO 230-6", lead("Displacement along each diagonal found by an independent instrument, actual minus indicated, from the first reading; figures as those of ISO 230-2. E is the bi-directional systematic deviation of the diagonal displacement. Diagonals of different E tell of axes that are not square, or of different scales. ± is the expanded uncertainty (k = 2) from the scatter of the runs alone."),
+    tileBoxes([...data.diagonals.map((a) => tile(a, "E of " + a.name)), ...(data.diagonals.length > 1 ? [tile(largest, "Largest E (" + largest.name + ")")] : [])]),
+    table("Each diagonal, µm" + (data.calibration ? ", as measured and as the model leaves it" : ""), [["Diagonal"], ...columns.map(([, name]) => [name, "n"])], data.diagonals.map((a) => [a.name, ...columns.map(([key]) => cell(a, key))])),
+    data.calibration ? data.diagonals.map((a) => [el("h3", {}, "Diagonal " + a.name), pair((part, name) => positioningFigure(a, part, name).node, "calibrated"), targetsOf(a)]) :
+      [el("div", { class: "pair" }, data.diagonals.map((a) => positioningFigure(a, "measured", "Diagonal " + a.name).node)), data.diagonals.map((a) => targetsOf(a, "Targets of the diagonal " + a.name))]);
+}
+
+function rotations() {
+  if (!data.rotations.length) return;
+  section("rotation", "Axes of rotation by ISO 230-7", lead("Radial error motion about the centre of the least-squares circle and axial error motion from the plane through the positions that an independent instrument found while nothing but the axis turned. Where the axis stands and how it is tilted does not count. Ranges of single points, so noise is in them."),
+    data.rotations.map((r) => [el("h3", {}, "Axis " + r.joint + (r.setup && r.setup !== r.joint ? ", setup " + r.setup : "")), pair((part, name) => (r[part] ? rotationFigure(r[part], r.joint, name).node : null), "left"),
+      table("Axis " + r.joint + ", circle of " + num(r.measured.radius_mm, 5) + " mm radius, " + r.measured.angle_deg.length + " readings", measuredAndLeft([["Figure"]], "µm"),
+        [["Radial error motion", "radial_error_um"], ["Axial error motion", "axial_error_um"]].map(([name, key]) => [name, ...leftToo(num(r.measured[key]), num(r.left && r.left[key]))]))]));
+}
+
+function lengths() {
+  if (!data.lengths.length) return;
+  for (const t of data.lengths) t.name = signed(t.name);
+  section("lengths", "Length measuring errors by ISO 10360-2", lead("E: error of a length, indicated minus actual, its faces reached from opposite sides."),
+    pair((key, name) => lengthsFigure(data.lengths, key === "measured" ? "E_um" : key, name).node, "left_um"),
+    table("Largest amount of E of each line", [["Line"], ["lengths", "n"], ["errors", "n"], ...measuredAndLeft([], "µm")], data.lengths.map((t) => [t.name, String(t.lengths), String(t.E_um.length), ...leftToo(num(t.largest_um), num(t.largest_left_um))])));
 }
 
 function circles() {
@@ -217,9 +288,9 @@ function circles() {
     ["Radial deviation F↻, largest", way("clockwise", "F_max")], ["Radial deviation F↻, smallest", way("clockwise", "F_min")],
     ["Mean bi-directional radial deviation D", (f) => f.D], ["Circular hysteresis H", (f) => f.H]];
   section("circle", "Circles by ISO 230-4", lead("Circular deviation G, radial deviation F and mean bi-directional radial deviation D as ISO 230-4:2005 defines them, about the centre of the least-squares circle; circular hysteresis H as in its first edition. ↺ counter-clockwise, ↻ clockwise, seen so that the second axis is a quarter of a turn counter-clockwise of the first. Extremes of single points, so without an uncertainty of their own."),
-    data.circles.map((c) => [el("h3", {}, "Plane " + c.first + c.second + (c.setup ? ", setup " + c.setup : "")), el("div", { class: "pair" }, circleFigure(c, "measured", "As measured").node, circleFigure(c, "calibrated", "What the model leaves").node),
-      table("Plane " + c.first + c.second + ", nominal radius " + num(c.radius_mm, 6) + " mm", [["Figure"], ["as measured, µm", "n"], ["left by the model, µm", "n"]],
-        rows.map(([name, value]) => [name, num(value(c.measured)), num(value(c.calibrated))]))]));
+    data.circles.map((c) => [el("h3", {}, "Plane " + c.first + c.second + (c.setup ? ", setup " + c.setup : "")), pair((part, name) => circleFigure(c, part, name).node, "calibrated"),
+      table("Plane " + c.first + c.second + ", nominal radius " + num(c.radius_mm, 6) + " mm", measuredAndLeft([["Figure"]], "µm"),
+        rows.map(([name, value]) => [name, ...leftToo(num(value(c.measured)), num(value(c.calibrated)))]))]));
 }
 
 /** Balls and points: where the artifact's file has them, and where the session found them. */
@@ -233,17 +304,33 @@ function nominalAndActual() {
   return longTable("Balls and points, nominal and actual (in workpiece; nominal centres are known there only where the artifact's pose is)", [["Name"], [""], ...columns, ["radius, mm", "n"]], rows, 30);
 }
 
+const kThermalTests = { etve: "Surroundings (ETVE): the machine idle", spindle: "Spindle", linear_axis: "Linear axis ", rotary_axis: "Rotary axis " };
+
+/** One test of ISO 230-3: its figures in boxes, its pictures, and what each figure is. */
+function thermalTest(test, temperatures) {
+  const unit = unitText(test.unit), hours = duration(3600 * (test.heated_hours[1] - test.heated_hours[0]));
+  const text = (f) => bare(f.value, f.std), idle = test.kind === "etve";
+  const columns = idle ? [["range", "range, whole period"], ["hour", "largest range within an hour"]] :
+    [["first_hour", "displacement in the first hour"], ["heated", (test.kind === "spindle" ? "while it turned (" : "up to the largest (") + hours + ")"], ["recovery", "recovery to the last reading"], ["range", "range, whole period"]];
+  const of = (c, key) => c.measured_figures[key], chief = idle ? "range" : "heated";
+  const tile = (c) => [said(c.name) + (idle ? ": range" : ": after " + hours), of(c, chief).value, of(c, chief).std, unit, known(of(c, chief).noise) && idle ? "of which noise " + num(of(c, chief).noise, 2) + " " + unit : null,
+    idle ? (known(of(c, "hour").value) ? "within an hour " + num(of(c, "hour").value) + " " + unit : null) : known(of(c, "first_hour").value) ? "first hour " + num(of(c, "first_hour").value) + " " + unit : null];
+  const named = (c) => [said(c.name) + (c.iso230 ? " (" + c.iso230 + ")" : "")];
+  const cell = (c, key) => [text(of(c, key)), data.calibration ? el("div", { class: "note" }, "left " + text(c.left_figures[key])) : null];
+  return [el("h3", {}, kThermalTests[test.kind] + (test.axis || "") + (test.setup && test.setup !== test.axis && test.setup !== test.kind ? ", setup " + test.setup : "")), el("p", { class: "note" }, test.in_words + "."),
+    tileBoxes(test.courses.map(tile)), pair((part, name) => thermalFigure(test, part, name, temperatures).node, "left"),
+    table("Displacement, " + unit + (data.calibration ? ", as measured and as the model leaves it" : ""), [[test.courses.some((c) => known(c.at)) ? "Position" : "Direction"], ...columns.map(([, name]) => [name, "n"]), ["noise in the range", "n"]],
+      test.courses.map((c) => [named(c), ...columns.map(([key]) => cell(c, key)), num(of(c, "range").noise, 2)]))];
+}
+
 function thermal() {
-  const t = data.thermal;
-  const ranged = (range) => bare(range, known(data.noise) ? Math.SQRT2 * data.noise : null); // of two readings
-  if (!t.axes.length && !data.networks.length) return;
-  const moves = t.axes.some((a) => !known(data.noise) || a.measured_range > 6 * data.noise);
-  sectionIf(moves || data.networks.length > 0, "thermal", "Heat: deviation against time, by ISO 230-3", "no position moves by more than the noise", t.axes.length ? lead("Deviations of an independent instrument at the same positions while the machine warms and cools, as measured and as the model leaves them, beside the temperatures.") : null,
+  const t = data.thermal, between = (test, one) => one.hours.some((h) => h >= test.hours[0] && h <= test.hours[1]);
+  if (!t.tests.length && !data.networks.length) return;
+  const range = (one) => [one.sensor, num(Math.min(...one.temperature), 4), num(Math.max(...one.temperature), 4), num(one.range)];
+  section("thermal", "Thermal effects by ISO 230-3", t.tests.length ? lead("Displacement found by an independent instrument, from the first reading, while the machine warms and cools. Where nothing tells when the heating ended, it is taken up to the largest displacement. ± is the expanded uncertainty (k = 2) from the noise of the readings alone, where that is known. Noise makes a range too large by the share that is stated; subtract it where it matters.") : null,
     data.networks.map((n) => el("p", {}, el("b", {}, n.in_words), ": ", said(n.summary))),
-    t.axes.map((a) => [el("h3", {}, "Axis " + a.axis), el("div", { class: "pair" }, thermalFigure(a, "measured", "As measured").node, thermalFigure(a, "left", "What the model leaves").node),
-      table("Axis " + a.axis + ": range of the deviation over the test", [["Position, " + unitText(a.position_unit)], ["as measured, " + unitText(a.unit), "n"], ["left by the model, " + unitText(a.unit), "n"]],
-        [...a.courses.map((c) => [num(c.at, 4), ranged(c.measured_range), ranged(c.left_range)]), ["largest of all positions", ranged(a.measured_range), ranged(a.left_range)]])]),
-    t.axes.length ? temperatureFigure(t.temperatures).node : null);
+    t.tests.map((test) => thermalTest(test, t.temperatures.filter((one) => between(test, one)))),
+    t.temperatures.length ? table("Temperatures" + (t.temperatures.length === 12 ? " of twelve sensors" : ""), [["Sensor"], ["lowest, °C", "n"], ["highest, °C", "n"], ["range, K", "n"]], t.temperatures.map(range)) : null);
 }
 
 function candidates() {
@@ -253,7 +340,7 @@ function candidates() {
     const taken = diagnosis.missing.find((m) => sameEffect(m.effect, c.effect));
     const gain = c[key] && known(c[key][0]) && known(c[key][1]) && c[key][0] > 0 ? 1 - c[key][1] / c[key][0] : 0;
     const rivalNames = taken ? taken.confusable_with.map(withSymbol) : [];
-    return Object.assign([withSymbol(c), c.odds_in_words, [meter(gain), c[key] ? bareRms(c[key][1]) : "–"], c["size" + kSuffix] > 0 ? bare(c["size" + kSuffix], sizeStd(c[key])) : "–", rivalNames.join("; ") || "–"], { chosen: !!taken });
+    return Object.assign([withSymbol(c), c.odds_in_words, c[key] && known(c[key][1]) ? [meter(gain), bareRms(c[key][1])] : "–", c["size" + kSuffix] > 0 ? (sizeStd(c[key]) > 0 ? bare(c["size" + kSuffix], sizeStd(c[key])) : num(c["size" + kSuffix])) : "–", rivalNames.join("; ") || "–"], { chosen: !!taken });
   });
   sectionIf(diagnosis.missing.length > 0, "candidates", "Candidates, best first", "none is named", lead("Each cause of the catalogue. The odds are conditional on the effects found; an effect that merely imitates them has none. Size and held-out RMS are those of each alone, everything refitted with it; the bar is the share of the held-out RMS that it removes, worked out for the best. Bold: named as missing."),
     longTable(diagnosis.candidates.length + (diagnosis.candidates.length === 1 ? " cause asked" : " causes asked"), [["Cause"], ["odds", "nowrap"], ["held-out RMS after, " + kUnit, "nowrap"], ["size, " + kUnit, "n"], ["confusable with", "text"]], rows, 12));
@@ -355,9 +442,12 @@ function legend() {
     ["Repeatability", "standard deviation of one measurement repeated; noise found: the part of the residuals that is unrelated to any variable."],
     ["p", "probability of so large a share by chance, corrected for the number of variables."],
     ["±", "the expanded uncertainty, k = 2, everywhere on this page: of a parameter from the covariance of the fit; of an RMS, a share or a size as for independent normal residuals, so more where what is left has structure. Largest values and readings are as observed."]];
+  if (!data.calibration) terms.splice(3, 1); // nothing has odds
   main.append(el("footer", {}, el("h3", {}, "How to read the figures"), el("dl", {}, terms.map(([a, b]) => [el("dt", {}, a), el("dd", {}, b)])),
-    el("p", {}, "measuring_machine " + (data.software || "") + ". Session " + data.session + ", calibration " + data.calibration + ". This page is self-contained and loads nothing from a network. Figures by Plotly.js (MIT).")));
+    el("p", {}, ("measuring_machine " + (data.software || "")).trim() + ". Session " + data.session + (data.calibration ? ", calibration " + data.calibration : "") + ". This page is self-contained and loads nothing from a network. Figures by Plotly.js (MIT).")));
 }
 
-[header, errors, positioning, circles, missing, unexplained, left, where, variables, space, thermal, candidates, ledger, parameters, pointSet, outliers, curves, limits, nextMeasurement, legend].forEach((part) => part());
+const standardTests = [positioning, circles, diagonals, rotations, lengths];
+(data.calibration ? [header, errors, ...standardTests, missing, unexplained, left, where, variables, space, thermal, candidates, ledger, parameters, pointSet, outliers, curves, limits, nextMeasurement, legend] :
+  [headerAsItIs, ...standardTests, thermal, errors, where, variables, space, pointSet, legend]).forEach((part) => part());
 drawAll();

@@ -3,6 +3,7 @@
 const plots = [];
 let printing = false;
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
+const narrow = () => innerWidth < 600; // a telephone: labels are wrapped and shortened
 const hasWebGl = (() => {
   try {
     const canvas = document.createElement("canvas");
@@ -21,8 +22,10 @@ function theme() {
 /** A figure: heading, plot, caption. `make` gives [traces, layout] for the colours; `label` is what it shows in words. */
 function figure({ name, label, caption, make, kind, modeBar, height }) {
   const plot = el("div", { class: "plot " + (kind || ""), style: height ? "height:" + height + "px" : null, role: "img", "aria-label": label });
+  let small = null;
   const draw = () => {
     if (!plot.clientWidth) return null; // folded: drawn when it is opened
+    small = narrow();
     const c = theme();
     const [traces, layout] = make(c);
     const axis = { gridcolor: c.line, zerolinecolor: c.line, linecolor: c.line, automargin: true };
@@ -35,7 +38,7 @@ function figure({ name, label, caption, make, kind, modeBar, height }) {
   plots.push(draw);
   new ResizeObserver(() => {
     if (!plot.clientWidth) return;
-    if (plot.data) Plotly.Plots.resize(plot);
+    if (plot.data) Plotly.Plots.resize(plot).then(() => (small === narrow() ? null : draw()));
     else if (document.body.dataset.drawn) draw();
   }).observe(plot);
   const head = name ? el("div", { class: "name" }, name) : null;
@@ -112,15 +115,15 @@ function ledgerFigure(steps, noise, estimated) {
   const log = Math.min(...values) * 20 < Math.max(...values);
   const from = Math.min(...values) / 3, to = Math.max(...values) * (log ? 6 : 1.35);
   return figure({
-    height: 70 + steps.length * Math.max(46, 12 + 16 * Math.max(...steps.map((s) => wrapped(s.name, innerWidth < 600 ? 22 : 36).split("<br>").length))), label: "Held-out RMS after each step of the ledger: " + steps.map((s) => s.name + " " + length(s.held_out)).join("; "),
+    height: 70 + steps.length * Math.max(46, 12 + 16 * Math.max(...steps.map((s) => wrapped(s.name, narrow() ? 22 : 36).split("<br>").length))), label: "Held-out RMS after each step of the ledger: " + steps.map((s) => s.name + " " + length(s.held_out)).join("; "),
     caption: "Held-out RMS after each step" + (log ? ", on a logarithmic scale" : "") + (!line ? "." : ". The dashed line is the " + (estimated ? "noise" : "repeatability") + ", " + length(noise) +
       (estimated ? ", estimated from what this model leaves: a better model may lower it." : ": no model can do better.")),
     make: (c) => [[{ type: "bar", orientation: "h", y: steps.map((s, i) => i), x: steps.map((s) => s.held_out), marker: { color: steps.map((s) => (s.proposed ? c.good : c.accent)), opacity: steps.map((s) => (s.proposed ? 0.6 : 0.9)) },
       hovertemplate: "%{customdata}<extra></extra>", customdata: steps.map((s) => plain(s.name) + ": " + rmsText(s.held_out)), error_x: { type: "data", array: steps.map((s) => 2 * stdOfAll(s.held_out) || 0), color: c.ink, thickness: 1, width: 4 } },
-      { type: "scatter", mode: "text", x: steps.map((s) => s.held_out + (2 * stdOfAll(s.held_out) || 0)), y: steps.map((s, i) => i), text: steps.map((s) => " " + (innerWidth < 600 ? length(s.held_out) : rmsText(s.held_out))), textposition: "middle right", cliponaxis: false, hoverinfo: "skip" }],
+      { type: "scatter", mode: "text", x: steps.map((s) => s.held_out + (2 * stdOfAll(s.held_out) || 0)), y: steps.map((s, i) => i), text: steps.map((s) => " " + (narrow() ? length(s.held_out) : rmsText(s.held_out))), textposition: "middle right", cliponaxis: false, hoverinfo: "skip" }],
     { margin: { l: 20, r: 20, t: 8, b: 44 }, bargap: 0.35,
-      yaxis: { tickvals: steps.map((s, i) => i), ticktext: steps.map((s) => wrapped(s.name, innerWidth < 600 ? 22 : 36) + " "), range: [steps.length - 0.4, -0.6], showgrid: false, zeroline: false },
-      xaxis: Object.assign({ title: titled("held-out RMS, " + kUnit), zeroline: false, nticks: 6 }, log ? { type: "log", dtick: 1, exponentformat: "power", range: [Math.log10(from), Math.log10(to)] } : { range: [0, to] }),
+      yaxis: { tickvals: steps.map((s, i) => i), ticktext: steps.map((s) => wrapped(s.name, narrow() ? 22 : 36)), ticks: "outside", ticklen: 7, tickcolor: "rgba(0,0,0,0)", range: [steps.length - 0.4, -0.6], showgrid: false, zeroline: false },
+      xaxis: Object.assign({ title: titled("held-out RMS, " + kUnit), zeroline: false, nticks: 6 }, log ? { type: "log", dtick: 1, tickformat: "~g", range: [Math.log10(from), Math.log10(to)] } : { range: [0, to] }),
       shapes: line ? [{ type: "line", yref: "paper", y0: 0, y1: 1, x0: noise, x1: noise, line: { color: c.warm, width: 1.5, dash: "dash" } }] : [] }],
   });
 }
@@ -227,36 +230,65 @@ function circleFigure(circle, part, name) {
       return { type: "scatterpolar", mode: "lines", name: text, theta: path.angle_deg.concat(path.angle_deg[0]), r: path.F_um.concat(path.F_um[0]), line: { color: c[tint], width: 1.5, dash },
         hovertemplate: "%{theta:.1f}°: %{r:.3g} µm<extra>" + text + "</extra>" };
     }).concat([{ type: "scatterpolar", mode: "lines", theta: Array.from({ length: 121 }, (x, i) => 3 * i), r: Array(121).fill(0), line: { color: c.soft, width: 1 }, hoverinfo: "skip", showlegend: false }]),
-    { showlegend: true, legend: { orientation: "h", y: 1.22, x: 0 }, margin: { l: 30, r: 30, t: 56, b: 24 },
+    { showlegend: true, legend: { orientation: "h", y: 1.22, x: 0 }, margin: { l: 44, r: 36, t: 56, b: 24 },
       polar: { bgcolor: "rgba(0,0,0,0)", angularaxis: { gridcolor: c.line, linecolor: c.line, dtick: 45 }, radialaxis: { gridcolor: c.line, linecolor: c.line, range: [low - 0.8 * span, high + 0.1 * span], angle: 22.5, nticks: 5, tickfont: { size: 10 } } } }],
   });
 }
 
-/** Deviation against time at some positions of an axis; both parts on one scale. */
-function thermalFigure(axis, part, name) {
-  const unit = unitText(axis.unit), place = unitText(axis.position_unit);
-  const all = axis.courses.flatMap((c) => c.measured.concat(c.left));
+/** Displacement against time, the temperatures below it; both parts on one scale. */
+function thermalFigure(test, part, name, temperatures) {
+  const unit = unitText(test.unit), all = test.courses.flatMap((c) => c.measured.concat(c.left)).filter(known);
   const low = Math.min(...all), high = Math.max(...all), room = 0.05 * (high - low) || 1;
-  const range = part === "measured" ? axis.measured_range : axis.left_range;
+  const directions = [...new Set(test.courses.map((c) => c.direction))], places = [...new Set(test.courses.map((c) => c.at))];
+  const warm = temperatures.length > 0, tints = ["accent", "warm", "good", "soft"], dashes = ["solid", "dash", "dot", "dashdot"];
+  // several directions: a colour each, a dash for each place; one direction: a colour for each place
+  const look = (c) => (c.between ? ["ink", "dashdot"] : directions.length > 1 ? [tints[directions.indexOf(c.direction) % 4], dashes[places.indexOf(c.at) % 4]] :
+    [tints[places.indexOf(c.at) % 4], dashes[places.indexOf(c.at) % 4]]);
+  const range = (c) => c.name + " " + num(c[part + "_figures"].range.value) + " " + unit;
   return figure({
-    name, kind: "tall", label: name + ", axis " + axis.axis + ": the deviation moves by up to " + num(range) + " " + unit + " over the test",
-    caption: "One line a position; both figures have the same scale.",
-    make: (c) => [axis.courses.map((course, i) => ({ x: course.hours, y: course[part], mode: "lines+markers", type: "scatter", name: num(course.at, 4) + " " + place,
-      line: { color: [c.accent, c.warm, c.good][i], width: 1.5, dash: ["solid", "dash", "dot"][i] }, marker: { size: 4, color: [c.accent, c.warm, c.good][i] },
-      hovertemplate: "%{x:.3g} h: %{y:.3g} " + unit + "<extra>" + num(course.at, 4) + " " + place + "</extra>" })),
-    { showlegend: true, legend: { orientation: "h", y: 1.12, x: 0 }, margin: { l: 56, r: 12, t: 28, b: 40 },
-      xaxis: { title: titled("time, h"), zeroline: false }, yaxis: { title: titled("deviation, " + unit), range: [low - room, high + room] } }],
+    name, height: warm ? 500 : 360, label: name + ", range of the displacement: " + test.courses.map(range).join(", "),
+    caption: (test.kind === "spindle" ? "Shaded: the spindle turns. " : "") + (warm ? "Below: temperatures." : "No temperature was recorded."),
+    make: (c) => [test.courses.map((course) => ({ x: course.hours, y: course[part], mode: course.hours.length > 30 ? "lines" : "lines+markers", type: "scatter", name: plain(said(course.name)),
+      line: { color: c[look(course)[0]], width: 1.5, dash: look(course)[1] }, marker: { size: 4, color: c[look(course)[0]] },
+      hovertemplate: "%{x:.3g} h: %{y:.3g} " + unit + "<extra>" + plain(said(course.name)) + "</extra>" }))
+      .concat(temperatures.map((t, i) => ({ x: t.hours, y: t.temperature, yaxis: "y2", mode: "lines", type: "scatter", name: plain(t.sensor) + ", °C",
+        line: { width: 1.2, color: c[tints[i % 4]], dash: dashes[Math.floor(i / 4) % 4] }, hovertemplate: "%{x:.3g} h: %{y:.4g} °C<extra>" + plain(t.sensor) + "</extra>" }))),
+    Object.assign({ showlegend: true, legend: { orientation: "h", y: warm ? -0.14 : -0.2, x: 0 }, margin: { l: 56, r: 12, t: 8, b: 40 },
+      shapes: test.kind === "spindle" ? [{ type: "rect", xref: "x", yref: "paper", x0: test.heated_hours[0], x1: test.heated_hours[1], y0: 0, y1: 1, fillcolor: c.warm, opacity: 0.08, line: { width: 0 } }] : [],
+      xaxis: { title: titled("time, h"), zeroline: false, range: test.hours, anchor: warm ? "y2" : "y" },
+      yaxis: { title: titled("displacement, " + unit), range: [low - room, high + room], domain: warm ? [0.4, 1] : [0, 1] } },
+    warm ? { yaxis2: { title: titled("°C"), zeroline: false, domain: [0, 0.32] } } : {})],
   });
 }
 
-function temperatureFigure(courses) {
+/** Error motions of an axis of rotation by its angle, drawn large about a circle. */
+function rotationFigure(motion, joint, name) {
+  const all = motion.radial_um.concat(motion.axial_um), low = Math.min(...all), span = Math.max(...all) - low || 1;
+  const parts = [["radial_um", "radial", "accent", "solid"], ["axial_um", "axial", "warm", "dash"]];
   return figure({
-    name: "Temperatures", kind: "tall", label: "Temperatures of " + courses.length + " sensors against time",
-    caption: courses.length === 12 ? "Twelve of the sensors; those of the networks come first." : null,
-    make: (c) => [courses.map((t, i) => ({ x: t.hours, y: t.temperature, mode: "lines", type: "scatter", name: plain(t.sensor),
-      line: { width: 1.5, color: [c.accent, c.warm, c.good, c.soft][i % 4], dash: ["solid", "dash", "dot"][Math.floor(i / 4)] },
-      hovertemplate: "%{x:.3g} h: %{y:.4g} °C<extra>" + plain(t.sensor) + "</extra>" })),
-    { showlegend: true, legend: { orientation: "h", y: -0.2, x: 0 }, margin: { l: 56, r: 12, t: 8, b: 60 },
-      xaxis: { title: titled("time, h"), zeroline: false }, yaxis: { title: titled("temperature, °C"), zeroline: false } }],
+    name, kind: "tall", label: name + ", axis " + joint + ": radial error motion " + num(motion.radial_error_um) + " µm, axial " + num(motion.axial_error_um) + " µm",
+    caption: "Error motion in µm against the reading of " + joint + "; lines through the means of each angle.",
+    make: (c) => [parts.flatMap(([key, text, tint, dash]) => {
+      const at = new Map(); // readings of each angle: the line goes through their means
+      motion.angle_deg.forEach((angle, i) => { const place = angle.toFixed(1); at.set(place, [...(at.get(place) || []), motion[key][i]]); });
+      return [{ type: "scatterpolar", mode: "markers", theta: motion.angle_deg, r: motion[key], marker: { size: 4, color: c[tint], opacity: 0.5 }, showlegend: false, hovertemplate: "%{theta:.1f}°: %{r:.3g} µm<extra>" + text + "</extra>" },
+        { type: "scatterpolar", mode: "lines", name: text, theta: [...at.keys()].map(Number), r: [...at.values()].map((all) => all.reduce((a, b) => a + b) / all.length), line: { color: c[tint], width: 1.5, dash }, hoverinfo: "skip" }];
+    }),
+    { showlegend: true, legend: { orientation: "h", y: 1.22, x: 0 }, margin: { l: 30, r: 30, t: 56, b: 24 },
+      polar: { bgcolor: "rgba(0,0,0,0)", angularaxis: { gridcolor: c.line, linecolor: c.line, dtick: 45 }, radialaxis: { gridcolor: c.line, linecolor: c.line, range: [low - 0.8 * span, low + 1.1 * span], angle: 22.5, nticks: 5, tickfont: { size: 10 } } } }],
+  });
+}
+
+/** Errors of lengths against the length, a colour for each line. */
+function lengthsFigure(tests, key, name) {
+  const all = tests.flatMap((t) => t.E_um.concat(t.left_um)).filter(known).concat(0);
+  const low = Math.min(...all), high = Math.max(...all), room = 0.08 * (high - low) || 1;
+  return figure({
+    name, kind: "tall", label: name + ": " + tests.map((t) => t.name + ", largest " + num(key === "E_um" ? t.largest_um : t.largest_left_um) + " µm").join("; "),
+    caption: "One mark a length measured" + (data.calibration ? "; both figures have the same scale." : "."),
+    make: (c) => [tests.map((t, i) => ({ x: t.length_mm, y: t[key], mode: "markers", type: "scatter", name: plain(t.name), marker: { size: 7, color: c[["accent", "warm", "good", "soft"][i % 4]], symbol: ["circle", "square", "diamond", "cross"][Math.floor(i / 4) % 4] },
+      hovertemplate: "%{x:.5g} mm: %{y:.3g} µm<extra>" + plain(t.name) + "</extra>" })),
+    { showlegend: true, legend: { orientation: "h", y: -0.2, x: 0 }, margin: { l: 56, r: 12, t: 8, b: 40 },
+      xaxis: { title: titled("length, mm"), zeroline: false }, yaxis: { title: titled("E, µm"), range: [low - room, high + room] } }],
   });
 }

@@ -48,8 +48,8 @@ function spaceSection(v) {
     return [[...spheres, ...balls,
       { type: "scatter3d", mode: "lines", x: xyz[0], y: xyz[1], z: xyz[2], line: Object.assign({ width: 4, color: colours }, scale), hoverinfo: "skip" },
       { type: "scatter3d", mode: "markers", x: ends[0], y: ends[1], z: ends[2], text: texts, hovertemplate: "%{text}<extra></extra>",
-        marker: Object.assign({ size: 2.5, color: shades, showscale: true, colorbar: { title: { text: "µm" }, thickness: 12, len: 0.7, x: 1, tickfont: { color: c.ink } } }, scale) }],
-    { margin: { l: 0, r: 0, t: 0, b: 0 }, uirevision: "keep", scene: { aspectmode: "data", xaxis: axis("x"), yaxis: axis("y"), zaxis: axis("z"), camera: { eye: { x: 1.35, y: -1.6, z: 0.95 }, center: { x: 0, y: 0, z: -0.12 } } } }];
+        marker: Object.assign({ size: 2.5, color: shades, showscale: true, colorbar: Object.assign({ title: { text: "µm" }, thickness: 12, len: 0.7, tickfont: { color: c.ink } }, narrow() ? { orientation: "h", x: 0.5, y: 0, yanchor: "bottom", title: { text: "µm", side: "top" } } : { x: 1 }) }, scale) }],
+    { margin: { l: 0, r: 0, t: 0, b: 0 }, uirevision: "keep", scene: { aspectmode: "data", xaxis: axis("x"), yaxis: axis("y"), zaxis: axis("z"), camera: { eye: narrow() ? { x: 1.75, y: -2.1, z: 1.25 } : { x: 1.35, y: -1.6, z: 0.95 }, center: { x: 0, y: 0, z: -0.12 } } } }];
   };
   const fig = figure({ kind: "space", label, make, modeBar: true,
     caption: (v.signed ? "Each line starts at the touched point and runs along the ball's normal: outwards (red) where the machine found the surface too far out, inwards (blue) where too far in. Found minus true has the opposite sign of a residual along an axis (actual \u2212 indicated)." :

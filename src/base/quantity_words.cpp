@@ -10,6 +10,8 @@
 namespace mm {
 namespace {
 
+constexpr double kResolved = 1e-3;  // um or arcsec: less than any instrument resolves
+
 std::string printed(const char* pattern, int digits, double value) {
   char text[64];
   std::snprintf(text, sizeof text, pattern, digits, value);
@@ -44,7 +46,9 @@ std::string expanded(double value, double std, const std::string& unit) {
 double unitOf(bool angular) { return angular ? kArcsecond : kMicrometre; }
 std::string nameOfUnit(bool angular) { return angular ? "arcsec" : "um"; }
 std::string errorInWords(double value, bool angular) {
-  return shortNumber(value / unitOf(angular)) + " " + nameOfUnit(angular);
+  const double number = value / unitOf(angular);
+  const bool below = number != 0.0 && std::abs(number) < kResolved;
+  return (below ? "< " + shortNumber(kResolved) : shortNumber(number)) + " " + nameOfUnit(angular);
 }
 bool positive(double value) { return std::isfinite(value) && value > 0.0; }
 

@@ -15,7 +15,8 @@ std::string durationInWords(double seconds);
 std::string expanded(double value, double std, const std::string& unit);
 /// "2.06 ± 0.06 um (k = 2)": the coverage factor behind what has an uncertainty.
 std::string withFactor(const std::string& text);
-/// An error in um, or in arcsec: "0.3 um". @param value m or rad.
+/// An error in um, or in arcsec: "0.3 um"; "< 0.001 um" below what any instrument resolves. @param value m or
+/// rad.
 std::string errorInWords(double value, bool angular);
 double unitOf(bool angular);  ///< m or rad of one of these
 std::string nameOfUnit(bool angular);

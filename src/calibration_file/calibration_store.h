@@ -77,8 +77,8 @@ class CalibrationStore {
 
   /// Makes active again what was active before (the last that is undamaged), or the one named. @return its
   /// id.
-  /// @throw InputError: nothing before, none such, or damaged; UnreadableFile: the one before may be whole,
-  /// but the disk does not give it.
+  /// @throw InputError: nothing before, none such, never active, or damaged; UnreadableFile: the one before
+  /// may be whole, but the disk does not give it.
   std::string rollback(const std::string& id = {}, const Check& check = {});
 
   /// Id to which a link of the folder ("active", "candidate") leads; empty: there is no such link.

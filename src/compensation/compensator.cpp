@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/format.h"
+#include "base/quantity_words.h"
 #include "base/rotation.h"
 #include "base/units.h"
 #include "effects/inputs.h"
@@ -128,10 +129,9 @@ void Compensator::addPlay(const State& state, const MovingState& moved, const Pa
     const Eigen::Vector3d off = play * (open / play.norm());
     c.covariance += off * off.transpose();
     if (left > 0.0)
-      c.note +=
-          (c.note.empty() ? "" : "; ") + format("backlash of %s is being taken up: %.3g of %.3g um remain",
-                                                model_.machine().joints()[j].name.c_str(), left / kMicrometre,
-                                                play.norm() / kMicrometre);
+      c.note += (c.note.empty() ? "" : "; ") + std::string("backlash of ") +
+                model_.machine().joints()[j].name + " is being taken up: " + errorInWords(left, false) +
+                " of " + errorInWords(play.norm(), false) + " remain";
   }
 }
 

@@ -104,11 +104,12 @@ class Diagnoser {
         if (travel == 0.0) unknown.push_back(o);
         if (travel == 0.0 || std::isnan(problem.state(o).sinceReversalOf(j))) unknownWay.push_back(o);
       }
+      const bool directionKnown = unknown.empty();
       if (static_cast<int>(unknownWay.size()) * kMost <= count) unknown = std::move(unknownWay);
       if (!up || !down || static_cast<int>(unknown.size()) * kMost > count) continue;
       if (!unknown.empty())
-        left.push_back(
-            {session_.machine.joints()[static_cast<std::size_t>(j)].name, static_cast<int>(unknown.size())});
+        left.push_back({session_.machine.joints()[static_cast<std::size_t>(j)].name,
+                        static_cast<int>(unknown.size()), directionKnown});
       for (const int o : unknown)
         for (int i = problem.firstRow(o); i < problem.firstRow(o + 1); ++i) weight[i] = 0.0;
     }

@@ -53,6 +53,13 @@ struct CandidateResult {
   std::string cause, remedy;
 };
 
+/// A cause that is not named and that cannot be excluded either.
+struct PossibleCause {
+  EffectSpec effect;
+  double odds = 0.0;    // posterior probability that it acts, at least kPossible
+  std::string shownBy;  // Effect::shownBy(): what a measurement must contain to decide
+};
+
 /// A smooth function of one recorded variable, or of two, that no effect of the catalogue explains.
 struct ProfileResult {
   EffectSpec effect;                               // type profile: ready to be added
@@ -77,7 +84,7 @@ struct FormulaResult {
 struct DriftResult {
   std::string direction;      // a joint, x, y, z of workpiece, or approach
   double std = 0.0;           // m (rad)
-  double timeConstant = 0.0;  // s
+  double timeConstant = 0.0;  // s; 0: not known, no times were recorded
   struct Perhaps {
     EffectSpec effect;
     double odds = 0.0;   // posterior probability against drift alone, 0 … 1
@@ -137,10 +144,12 @@ enum class Verdict {
 /// As in JSON: "missing_effect".
 std::string nameOf(Verdict verdict);
 
-/// Observations at which the direction of travel of a joint is not known, and by which no cause is judged.
+/// Observations at which the direction of travel of a joint, or its way since its last reversal, is not
+/// known, and by which no cause is judged.
 struct NotJudged {
   std::string joint;
   int observations = 0;
+  bool directionKnown = false;  // at all of them: what is not known is the way since the last reversal
 };
 
 struct Diagnosis {
@@ -150,6 +159,7 @@ struct Diagnosis {
   std::string sentence;  // the verdict in words
   std::vector<WhereItFails> where;
   std::vector<CandidateResult> missing;     // accepted, in the order found
+  std::vector<PossibleCause> possible;      // likeliest first
   std::vector<CandidateResult> candidates;  // the causes asked, best first; of a long session the likely ones
   std::vector<ProfileResult> profiles;      // accepted: what no effect of the catalogue explains
   std::vector<FormulaResult> formulas;      // where one is equivalent to a profile

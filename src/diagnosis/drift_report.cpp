@@ -10,6 +10,7 @@
 #include "diagnosis/wording.h"
 #include "estimation/drift.h"
 #include "estimation/repeatability.h"
+#include "posterior/slots.h"
 
 namespace mm {
 namespace {
@@ -18,7 +19,6 @@ const double kSaid = std::log(100.0);  // nats: drift that is not there at 100 t
 constexpr std::size_t kMostAsked = 3;  // causes told for a direction
 constexpr double kSomeShare = 0.3;  // of a drift's variance: what a cause must take over to be what it may be
 constexpr double kPartOfRun = 0.05;  // of a session: half a run in one direction, of five in both (ISO 230-2)
-constexpr double kPerhaps = 0.1;     // probability from which a cause is told beside drift
 constexpr double kOfThePlace = 0.5;  // of its variance that runs have in common: more follows the place
 /// Standard deviation of what two slow courses have in common by chance: each has one or two degrees of
 /// freedom in a run. What is told is no chance at two and a half of it.
@@ -72,7 +72,7 @@ std::vector<DriftResult::Perhaps> perhapsOf(const Search& search, const Explanat
   for (std::size_t g = 0; g < answer.sample.inclusion.size() && all > 0.0; ++g) {
     const Group& group = q.groups.groups[g];
     const auto there = [&](const Member& m) { return m.group == static_cast<int>(g); };
-    if (group.profile || !(answer.sample.inclusion[g] > kPerhaps) ||
+    if (group.profile || !(answer.sample.inclusion[g] > kPossible) ||
         std::any_of(found.members.begin(), found.members.end(), there))
       continue;
     double share = 0.0;
@@ -126,6 +126,11 @@ Quickest quickestOf(const Search& search, const Explanation& found, int directio
   return {spacing, false};
 }
 
+bool anyTimes(const Session& session) {
+  const auto& all = session.observations;
+  return std::any_of(all.begin(), all.end(), [&](const Observation& o) { return session.timed(o); });
+}
+
 }  // namespace
 
 DriftReport driftOf(const Search& search, const Explanation& found, const PosteriorAnswer& answer) {
@@ -150,6 +155,7 @@ DriftReport driftOf(const Search& search, const Explanation& found, const Poster
       if (t.direction == d && t.ratio > largest) largest = t.ratio, r.timeConstant = t.tau;
     r.quick = r.timeConstant < quickest.most;
     r.ofThePlace = r.quick && quickest.ofThePlace;
+    if (!anyTimes(q.space->problem().session())) r.timeConstant = 0.0;
     results.push_back(std::move(r));
     directions.push_back(d);
   }

@@ -21,11 +21,18 @@ std::string noiseWords(const Diagnosis& d) {
       expanded(d.noise / unitOf(d.angular), d.noiseStd / unitOf(d.angular), nameOfUnit(d.angular)));
 }
 
+/// What may be said of all causes: that none is left is said only where each is improbable.
+std::string nothingLeft(const Diagnosis& d) {
+  if (!d.possible.empty())
+    return d.variations.empty() ? "No effect is established" : "No other cause is established";
+  return d.variations.empty() ? "No effect and no structure is left" : "No other cause is left";
+}
+
 std::string artifactSentence(const Diagnosis& d, const ArtifactScatter& scatter) {
   const std::string what = scatter.what == "centres" ? "positions" : "radii";
-  return "No effect and no structure is left" +
-         (positive(d.noise) ? " in the noise of " + noiseWords(d) : std::string()) + ", but the balls' " +
-         scatter.what + " scatter by " + errorInWords(scatter.std, d.angular) + " about the " + what +
+  return nothingLeft(d) + (positive(d.noise) ? " in the noise of " + noiseWords(d) : std::string()) +
+         ", but the balls' " + scatter.what + " scatter by " + errorInWords(scatter.std, d.angular) +
+         " about the " + what +
          " in the artifact file: either the file is wrong, or the machine has an error that this session "
          "cannot show. Calibrate the artifact, or turn it by 90 degrees and measure it again: its own errors "
          "turn with it, those of the machine do not.";
@@ -56,8 +63,7 @@ std::string repeatTwentyTimes(const Diagnosis& d) {
 }  // namespace
 
 std::string scatterSentence(const Diagnosis& d) {
-  const std::string nothing =
-      d.variations.empty() ? "No effect and no structure is left" : "No other cause is left";
+  const std::string nothing = nothingLeft(d);
   if (const ArtifactScatter* of = beyondTheFile(d)) return artifactSentence(d, *of);
   if (const DriftResult* of = beyondTheRepeatability(d))
     return nothing + ", but " + scatterInWords(d, *of) + ", " +
@@ -119,18 +125,42 @@ std::string variationSentence(const Diagnosis& d) {
 
 std::string explainedSentence(const Diagnosis& d) {
   if (!d.variations.empty())
-    return "No other cause is missing, with noise of " + noiseWords(d) + "." + variationSentence(d);
+    return std::string(d.possible.empty() ? "No other cause is missing" : "No other cause is established") +
+           ", with noise of " + noiseWords(d) + "." + variationSentence(d);
   // Who reads that nothing is missing does not read on, and the drift may be as large as the noise.
   const bool drifts = !d.drift.empty();
-  std::string text = drifts ? "No effect and no structure is left but drift"
-                            : "Nothing is missing: no effect and no structure is left";
-  if (positive(d.noise)) text += (drifts ? " and noise of " : " but noise of ") + noiseWords(d);
+  const std::string beside = d.possible.empty() ? " but " : " beside ";
+  std::string text = (!drifts && d.possible.empty() ? "Nothing is missing: no effect and no structure is left"
+                                                    : nothingLeft(d)) +
+                     (drifts ? beside + "drift" : "");
+  if (positive(d.noise)) text += (drifts ? " and noise of " : beside + "noise of ") + noiseWords(d);
   constexpr double kFar = 5.0;  // times: what was declared is another noise than that of these measurements
   if (positive(d.base.repeatability))
     text += (positive(d.noise) && kFar * d.noise < d.base.repeatability ? ", far below the repeatability of "
                                                                         : ", at the repeatability of ") +
             repeatabilityWords(d);
   return text + ".";
+}
+
+std::string possibleSentence(const Diagnosis& d) {
+  std::vector<const PossibleCause*> told;  // those that no variation tells
+  for (const PossibleCause& p : d.possible) {
+    const auto instead = [&](const Alternative& a) { return a.effect == p.effect; };
+    if (std::none_of(d.variations.begin(), d.variations.end(), [&](const Variation& v) {
+          return std::any_of(v.instead.begin(), v.instead.end(), instead);
+        }))
+      told.push_back(&p);
+  }
+  if (told.empty()) return {};
+  std::string text;
+  for (const PossibleCause* p : told)
+    text += (p == told.front()  ? ""
+             : p == told.back() ? " and "
+                                : ", ") +
+            inWords(p->effect) + " (odds " + oddsInWords(p->odds) + ")";
+  const std::string& shownBy = told.front()->shownBy;
+  return " " + capitalized(text) + " cannot be excluded." +
+         (shownBy.empty() ? "" : " To decide, measure: " + shownBy);
 }
 
 std::string driftSentence(const Diagnosis& d) {

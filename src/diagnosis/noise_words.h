@@ -13,6 +13,8 @@ std::string scatterSentence(const Diagnosis& diagnosis);
 std::string explainedSentence(const Diagnosis& diagnosis);
 /// " But backlash of x is not the same everywhere: …", and what would explain that; else empty.
 std::string variationSentence(const Diagnosis& diagnosis);
+/// " Backlash of x (odds 3 to 1) cannot be excluded. …", of causes that are not named; else empty.
+std::string possibleSentence(const Diagnosis& diagnosis);
 /// " Drift: …", of all that is not told by another sentence; else empty.
 std::string driftSentence(const Diagnosis& diagnosis);
 

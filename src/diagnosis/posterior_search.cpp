@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "effects/registry.h"
 
@@ -177,6 +178,25 @@ void takeRivals(const Questions& q, const PosteriorAnswer& answer, const Slot& s
   }
 }
 
+/// Causes that no slot that is named has, and that nothing told stands for.
+void takePossible(const Questions& q, const PosteriorAnswer& answer, Diagnosis& out) {
+  const Domain& domain = q.space->problem().model().domain();
+  std::set<std::string> told;
+  for (const CandidateResult& r : out.missing) told.insert(causeOf(*createEffect(r.effect, domain)));
+  for (const ProfileResult& p : out.profiles) told.insert(causeOf(*createEffect(p.effect, domain)));
+  for (const Slot& slot : answer.slots)
+    if (slot.named)
+      for (const int c : slot.causes) told.insert(q.groups.groups[static_cast<std::size_t>(c)].key);
+  for (std::size_t g = 0; g < answer.sample.inclusion.size(); ++g) {
+    const double probability = odds(answer.sample, answer.sample.inclusion[g]);
+    if (probability < kPossible || told.count(q.groups.groups[g].key) > 0) continue;
+    const EffectSpec spec = specOf(q, answer, static_cast<int>(g));
+    out.possible.push_back({spec, probability, createEffect(spec, domain)->shownBy()});
+  }
+  std::stable_sort(out.possible.begin(), out.possible.end(),
+                   [](const PossibleCause& a, const PossibleCause& b) { return a.odds > b.odds; });
+}
+
 }  // namespace
 
 void takeOdds(const Questions& q, const PosteriorAnswer& answer, Diagnosis& out) {
@@ -201,6 +221,7 @@ void takeOdds(const Questions& q, const PosteriorAnswer& answer, Diagnosis& out)
       continue;
     }
   }
+  takePossible(q, answer, out);
   const std::size_t sampled = answer.sample.inclusion.size();
   for (CandidateResult& r : out.candidates) {
     const std::string key = causeOf(*createEffect(r.effect, domain));

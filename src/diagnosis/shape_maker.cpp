@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/unknown_inputs.h"
 #include "effects/linearity.h"
 #include "effects/registry.h"
 #include "effects/smooth_basis.h"
@@ -192,8 +193,10 @@ RowMatrix ShapeMaker::columnsOf(const Effect& effect, const std::vector<double>&
   int missing = 0;
   const Eigen::MatrixXd all = space_.columns(effect, startsAt(effect, nonlinear), &missing);
   if (kMostMissing * missing > space_.rows()) {
-    why = "an input is not known for " + std::to_string(missing) + " of " + std::to_string(space_.rows()) +
-          " residuals";
+    why = unknownInput(effect, space_.problem());
+    if (why.empty())
+      why = "its value is not a number for " + std::to_string(missing) + " of " +
+            std::to_string(space_.rows()) + " residuals";
     return {};
   }
   return linearColumns(effect, all);

@@ -5,6 +5,7 @@
 
 #include "diagnosis/answers.h"
 #include "diagnosis/shape_maker.h"
+#include "diagnosis/wording.h"
 #include "effects/linearity.h"
 #include "effects/profile.h"
 
@@ -17,6 +18,16 @@ std::vector<double> nonlinearOf(const Effect& effect, const Eigen::VectorXd& x, 
   std::vector<double> values;
   for (const int k : effect.nature().nonlinear) values.push_back(x[first + k]);
   return values;
+}
+
+/// A constant of a material that none has: what the effect reads is not what acts.
+std::string beyondUsual(const Parameter& p, double value, double std) {
+  constexpr double kSeldom = 3.2;  // half-t of three degrees of freedom: one in twenty is met beyond it
+  if (!(std::abs(value) - 2.0 * std > kSeldom * p.usual)) return {};
+  return capitalized(p.name) + " of " + expanded(value * p.toUnit, std * std::abs(p.toUnit), p.unit) +
+         " (k = 2) is more than parts have (" + shortNumber(p.usual * std::abs(p.toUnit)) + " " + p.unit +
+         " is usual): another cause with the same course looks the same, or the sensor does not have the "
+         "temperature of the part.";
 }
 
 }  // namespace
@@ -49,9 +60,12 @@ void takeParameters(const CalibrationResult& full, int first, const std::vector<
     if (found != out.missing.end())
       found->looksTheSame = effect->looksTheSame(nonlinearOf(*effect, full.x, at));
     for (const Parameter& p : effect->parameters()) {
-      if (found != out.missing.end())
+      if (found != out.missing.end()) {
         found->parameters.push_back(
             {p.name, p.unit, full.x[at] * p.toUnit, full.std(at) * std::abs(p.toUnit)});
+        const std::string beyond = beyondUsual(p, full.x[at], full.std(at));
+        if (!beyond.empty()) found->looksTheSame += (found->looksTheSame.empty() ? "" : " ") + beyond;
+      }
       ++at;
     }
   }

@@ -43,8 +43,6 @@ std::vector<const Confusable*> openRivals(const CandidateResult& c) {
   return open;
 }
 
-bool isOpen(const CandidateResult& c) { return !openRivals(c).empty(); }
-
 /// "; the listed moves would": whether they separate the named effects from their rivals.
 std::string listedMovesWords(const Diagnosis& d) {
   if (d.nextMeasurement.empty()) return {};
@@ -99,24 +97,19 @@ std::string eitherOr(const CandidateResult& c, const Diagnosis& d) {
   return text;
 }
 
-std::string capital(std::string text) {
-  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
-  return text;
-}
-
 std::string missingSentence(const Diagnosis& d) {
   std::string sure, open;
   for (const CandidateResult& c : d.missing) {
-    std::string& text = isOpen(c) ? open : sure;
-    text += (text.empty() ? "" : "; ") + (isOpen(c) ? eitherOr(c, d) : surely(c, d));
+    std::string& text = hasOpenRivals(c) ? open : sure;
+    text += (text.empty() ? "" : "; ") + (hasOpenRivals(c) ? eitherOr(c, d) : surely(c, d));
   }
   const std::string heldOut = heldOutWords(d);
   std::string text = sure.empty() ? "" : "Missing: " + sure;
   if (open.empty()) return text + (heldOut.empty() ? "" : "; " + heldOut) + "." + noBetterWords(d);
   if (!sure.empty()) text += ". Beside it ";
-  text += (sure.empty() ? capital(open) : open) + ": these data do not separate them";
+  text += (sure.empty() ? capitalized(open) : open) + ": these data do not separate them";
   text += listedMovesWords(d);
-  return text + (heldOut.empty() ? "" : ". " + capital(heldOut)) + "." + noBetterWords(d);
+  return text + (heldOut.empty() ? "" : ". " + capitalized(heldOut)) + "." + noBetterWords(d);
 }
 
 /// Where a named effect is the same as another, or another that was not recorded may be in its place.
@@ -130,14 +123,14 @@ std::string rivalRemarks(const CandidateResult& c) {
     if (!rival.same && !rival.notRecorded.empty() && !told) inputs.push_back(rival.notRecorded);
   }
   if (frames.size() > 1)
-    text += " " + capital(listInWords(frames)) + " are the same error expressed in " +
+    text += " " + capitalized(listInWords(frames)) + " are the same error expressed in " +
             (frames.size() == 2 ? "two" : "several") +
             " frames: no measurement on this machine separates them.";
   for (const std::string& input : inputs) {
     std::vector<EffectSpec> hidden;
     for (const Confusable& rival : c.confusableWith)
       if (!rival.same && rival.notRecorded == input) hidden.push_back(rival.effect);
-    text += " " + capital(listInWords(hidden)) + " cannot be excluded: " + inputInWords(input) +
+    text += " " + capitalized(listInWords(hidden)) + " cannot be excluded: " + inputInWords(input) +
             " was not recorded.";
   }
   return text;
@@ -155,7 +148,7 @@ std::string assumptions(const Diagnosis& d) {
       return concerned(c.effect) || std::any_of(c.confusableWith.begin(), c.confusableWith.end(),
                                                 [&](const Confusable& r) { return concerned(r.effect); });
     });
-    if (matters) text += " " + capital(inputInWords(input.input)) + " was assumed " + input.assumed + ".";
+    if (matters) text += " " + capitalized(inputInWords(input.input)) + " was assumed " + input.assumed + ".";
   }
   return text;
 }
@@ -187,10 +180,11 @@ std::string peakOf(const Diagnosis& d, const ProfileResult& p) {
   return text;
 }
 
-/// "Missing: backlash of x, … ; backlash of y, …."
-std::string surelyAll(const Diagnosis& d) {
+/// "backlash of x, … ; either backlash of y … or lost motion of y ….": what was found, each with its odds.
+std::string foundAll(const Diagnosis& d) {
   std::string text;
-  for (const CandidateResult& c : d.missing) text += (text.empty() ? "" : "; ") + surely(c, d);
+  for (const CandidateResult& c : d.missing)
+    text += (text.empty() ? "" : "; ") + (hasOpenRivals(c) ? eitherOr(c, d) : surely(c, d));
   return text + ".";
 }
 
@@ -199,7 +193,7 @@ std::string unknownSentence(const Diagnosis& d) {
   // what has a name comes first where it does more
   const bool namedFirst =
       !d.missing.empty() && (d.profiles.empty() || d.missing.front().gain > d.profiles.front().gain);
-  if (namedFirst) text = "Missing: " + surelyAll(d) + " Beside it ";
+  if (namedFirst) text = "Missing: " + foundAll(d) + " Beside it ";
   for (std::size_t i = 0; i < d.profiles.size(); ++i) {
     const ProfileResult& p = d.profiles[i];
     if (i == 0)
@@ -226,13 +220,20 @@ std::string unknownSentence(const Diagnosis& d) {
   }
   for (const FormulaResult& f : d.formulas)
     text += " The formula " + inWords(f.effect) + " describes it as well.";
-  if (!d.missing.empty() && !namedFirst) text += " Found on the way: " + surelyAll(d);
+  if (!d.missing.empty() && !namedFirst) text += " Found on the way: " + foundAll(d);
   return text + (d.profiles.empty()       ? " Look for its cause."
                  : d.profiles.size() == 1 ? " Add it as a profile, or look for its cause."
                                           : " Add them as profiles, or look for their causes.");
 }
 
 }  // namespace
+
+std::string capitalized(std::string text) {
+  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text;
+}
+
+bool hasOpenRivals(const CandidateResult& missing) { return !openRivals(missing).empty(); }
 
 std::string nameOf(Verdict verdict) {
   switch (verdict) {
@@ -266,9 +267,9 @@ std::string sentenceOf(const Diagnosis& d) {
     case Verdict::kMissingEffect:
       return missingSentence(d) + remarks(d);
     case Verdict::kScatter:
-      return scatterSentence(d) + variationSentence(d) + driftSentence(d);
+      return scatterSentence(d) + variationSentence(d) + possibleSentence(d) + driftSentence(d);
     case Verdict::kExplained:
-      return explainedSentence(d) + driftSentence(d);
+      return explainedSentence(d) + possibleSentence(d) + driftSentence(d);
     default:
       return "The model cannot be fitted to this session: measure more, or take effects out of the model.";
   }

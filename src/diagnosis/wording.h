@@ -13,6 +13,10 @@ namespace mm {
 /// The verdict in one to four sentences: what is named, with its size and odds, and what else it may be.
 std::string sentenceOf(const Diagnosis& diagnosis);
 
+/// Its first letter a capital.
+std::string capitalized(std::string text);
+/// It has rivals that further data would tell from it: one of them acts, and none of them is named.
+bool hasOpenRivals(const CandidateResult& missing);
 /// Its name with what the fit found where its spec says "unknown": "periodic error of x, period 5.002 ± 0.018
 /// mm".
 std::string foundInWords(const CandidateResult& candidate);

@@ -24,8 +24,8 @@ struct Parameter {
   double minimum = -std::numeric_limits<double>::infinity();  // limits of meaning: a period is positive
   double maximum = std::numeric_limits<double>::infinity();
   double priorStd = 0.0;  // about zero, before any data; 0: nothing is known
-  /// Largest magnitude that engineers meet, as of a constant of the material: what is larger is possible, and
-  /// the less likely the larger it is.
+  /// Magnitude that engineers meet, as of a constant of the material: what is larger is possible, and the
+  /// less likely the larger it is.
   double usual = std::numeric_limits<double>::infinity();
   /// A negative value is possible, and seldom met: a trigger that comes before the contact.
   bool seldomNegative = false;

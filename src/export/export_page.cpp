@@ -35,7 +35,8 @@ SignCheck signCheck(const NeededCorrection& needed, const ExportTarget& target, 
 std::string signText(const NeededCorrection& needed, const ExportTarget& target, const Exported& exported) {
   const SignCheck check = signCheck(needed, target, exported);
   if (check.axis == nullptr) return "The tables are zero everywhere, so there is no sign to check.\n";
-  std::string text = "With the tables loaded, command this position, arriving in the stated directions:\n\n";
+  std::string text =
+      "With the tables in effect, command this position, arriving in the stated directions:\n\n";
   for (const ExportAxis& axis : needed.axes()) {
     const auto j = static_cast<std::size_t>(axis.joint);
     const bool linear = axis.kind == JointKind::kLinear;
@@ -89,16 +90,22 @@ std::string range(const NeededCorrection& needed) {
 /// How large the errors are with and without the tables: what the model predicts, to be validated by
 /// measuring.
 std::string beforeAndAfterText(const Representability& judged) {
-  const double before = judged.expected(judged.figures.uncorrected),
-               after = judged.expected(judged.figures.exported);
-  if (!std::isfinite(before) || !std::isfinite(after)) return "not known: the session has no lengths";
-  return "RMS of a coordinate at the probe, predicted: " + errorInWords(before, false) + " before, " +
-         errorInWords(after, false) + " after" +
-         (std::isfinite(judged.figures.withOffsets)
-              ? ", " + errorInWords(judged.expected(judged.figures.withOffsets), false) +
-                    " with the external offsets"
-              : "") +
-         ". Validate it with the tables loaded: measure fresh points, then `mm verify`";
+  if (!std::isfinite(judged.heldOut)) return "not known: the session has no lengths";
+  const auto um = [&](const LeftOfModel& left) {
+    const ExpectedError e = judged.measured(left);
+    return expanded(e.rms / kMicrometre, e.std / kMicrometre, nameOfUnit(false));
+  };
+  std::string text;
+  for (const LeftAlong& along : judged.along) {
+    if (along.direction.empty()) continue;
+    text +=
+        (text.empty() ? "" : "; ") + along.direction + " " + um(along.uncorrected) + " before, " +
+        um(along.exported) + " after" +
+        (std::isfinite(along.withOffsets.rms) ? ", " + um(along.withOffsets) + " with the external offsets"
+                                              : "");
+  }
+  return "RMS that a measurement along each axis of the workpiece is predicted to show (k = 2): " + text +
+         ". Validate it with the tables in effect: measure fresh points, then `mm verify`";
 }
 
 /// What ISO/TR 16907 asks to be told.
@@ -117,6 +124,18 @@ std::string compensationText(const Calibration& calibration, const ExportTarget&
   return bulleted(lines);
 }
 
+/// What the files were held against, and what is left to the machine.
+std::vector<std::string> checkedText(const ExportTarget& target, const Representability& judged) {
+  std::vector<std::string> lines;
+  if (!judged.carriesNothing())
+    lines.push_back("By calculation: the files were read back by an interpreter of the rules of " +
+                    target.title +
+                    " (documentation, interpreters) that shares no code with the export; the figures above "
+                    "are of what it then adds at fresh positions.");
+  lines.push_back("Not on this machine: do the check with one move, then `mm verify` on fresh points.");
+  return lines;
+}
+
 }  // namespace
 
 std::string exportPage(const Calibration& calibration, const ExportTarget& target,
@@ -130,7 +149,7 @@ std::string exportPage(const Calibration& calibration, const ExportTarget& targe
   text += "## Compensation that was active\n\n" + activeWords(target, needed, exported) + "\n\n";
   text += "## Files\n\n| file | what |\n|---|---|\n";
   for (const ExportedFile& file : exported.files) text += "| `" + file.path + "` | " + file.what + " |\n";
-  text += "\n## Load\n\n" + numbered(exported.load) + "\n## Reference point\n\n" + exported.reference +
+  text += "\n## Install\n\n" + numbered(exported.load) + "\n## Reference point\n\n" + exported.reference +
           "\n"
           "\n"
           "It is valid over the range that the session covered; beyond it the tables are not based on "
@@ -142,9 +161,10 @@ std::string exportPage(const Calibration& calibration, const ExportTarget& targe
   text += "\n## Numerical compensation, by ISO/TR 16907\n\n" +
           compensationText(calibration, target, exported, judged);
   if (!exported.notes.empty()) text += "\n## Notes\n\n" + bulleted(exported.notes);
-  text += "\n## Not verified\n\n" + (exported.unverified.empty()
-                                         ? "See the sources cited in the documentation (export).\n"
-                                         : bulleted(exported.unverified));
+  text += "\n## What was checked\n\n" + bulleted(checkedText(target, judged));
+  if (!exported.unverified.empty())
+    text += "\n## Open: what the documents do not say, or the figures leave out\n\n" +
+            bulleted(exported.unverified);
   return text;
 }
 
@@ -155,7 +175,7 @@ std::vector<ExportedFile> exportFolderOf(const Calibration& calibration, const E
   judged.compensation = needed.compensation();
   judged.activeWords = activeWords(target, needed, exported);
   std::vector<ExportedFile> files = exported.files;
-  files.push_back({"README.md", "what to load where, and how to check it",
+  files.push_back({"README.md", "what to install where, and how to check it",
                    exportPage(calibration, target, needed, exported, judged)});
   files.push_back(
       {"representability.txt", "effect by effect, what is carried", representabilityText(judged)});

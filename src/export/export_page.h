@@ -6,8 +6,8 @@
 
 namespace mm {
 
-/// README.md of an export: what to load where and in which order, from where positions count, how one move
-/// shows that the sign is right, what is carried, and what could not be verified.
+/// README.md of an export: what to install where and in which order, from where positions count, how one move
+/// shows that the sign is right, what is carried, what was checked, and what is open.
 /// @param motors the target's interpreter over the files.
 std::string exportPage(const Calibration& calibration, const ExportTarget& target,
                        const NeededCorrection& needed, const Exported& exported,

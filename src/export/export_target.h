@@ -19,9 +19,9 @@ struct Exported {
   std::vector<ExportedFile> files;
   std::set<std::string> axes;            // letters of the axes that they are for: those of the others stay
   std::string holds;                     // what this target has a place for, in one sentence
-  std::vector<std::string> load;         // what to load where, in this order
+  std::vector<std::string> load;         // the steps that put them into the controller, in this order
   std::string reference;                 // from which point positions count
-  std::vector<std::string> unverified;   // what public documents do not say
+  std::vector<std::string> unverified;   // what public documents do not say, or the figures leave out
   std::vector<std::string> notes;        // what else was decided
   std::vector<std::string> notFollowed;  // curves that bend between the points of any table that fits
   /// What a program of ours adds beside the tables: m, an axis' letter each. Null: there is none.

@@ -6,6 +6,7 @@
 #include "base/dense.h"
 #include "base/format.h"
 #include "base/grid_values.h"
+#include "base/quantity_words.h"
 #include "base/units.h"
 #include "export/export_target.h"
 #include "export/hat_functions.h"
@@ -233,9 +234,9 @@ std::vector<std::string> notFollowed(const NeededCorrection& needed, const LineT
     if (left < kToldLeft) continue;
     told.push_back(format(
         "the correction of %s by the position of %s varies between the points even of the finest table (%zu "
-        "points, every %.4g mm): up to %.3g um of it remain",
+        "points, every %.4g mm): up to %s of it remain",
         letter(output).c_str(), letter(table.input).c_str(), table.at.size(),
-        (table.at[1] - table.at[0]) / kMillimetre, left / kMicrometre));
+        (table.at[1] - table.at[0]) / kMillimetre, errorInWords(left, false).c_str()));
   }
   return told;
 }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <random>
 
+#include "base/covariance_root.h"
 #include "base/error.h"
 #include "base/nearest_name.h"
 #include "compensation/compensator.h"
@@ -58,6 +59,7 @@ NeededCorrection::NeededCorrection(const Calibration& calibration,
   const Compensator checks(calibration);  // throws where the file contradicts itself
   parameters_.resize(calibration.values.size());
   for (Eigen::Index p = 0; p < parameters_.size(); ++p) parameters_[p] = calibration.values[p].value;
+  covariance_ = calibration.covariance;
   linear_ = linearJoints(model_.machine().joints());
   axes_ = exportAxes(model_.machine(), letters, calibration.domain.lower, calibration.domain.upper);
   compensation_ = calibration.compensation;
@@ -137,23 +139,36 @@ std::vector<State> NeededCorrection::states(int count, unsigned seed) const {
   return all;
 }
 
-Eigen::Vector3d NeededCorrection::truePosition(State state) const {
+Eigen::Vector3d NeededCorrection::truePosition(State state, const Eigen::VectorXd& parameters) const {
   const Settled history(state.temperature);
   state.history = &history;
   model_.place(state);
   Model::Workspace work;
-  return model_.corrected(state, parameters_.data(), work).position;
+  return model_.corrected(state, parameters.data(), work).position;
 }
 
 Eigen::Vector3d NeededCorrection::besideNominal(const State& command, std::vector<double> readings) const {
   const double beam = model_.domain().laser ? command.laserReading : std::numeric_limits<double>::quiet_NaN();
   State driven = command;
   driven.position = std::move(readings);
-  return truePosition(std::move(driven)) - model_.machine().nominal(command.position.data(), beam).position;
+  return truePosition(std::move(driven), parameters_) -
+         model_.machine().nominal(command.position.data(), beam).position;
 }
 
 Eigen::Vector3d NeededCorrection::displacement(const State& state) const {
   return besideNominal(state, state.position);
+}
+
+Eigen::MatrixXd NeededCorrection::uncertain(const std::vector<State>& states) const {
+  const Eigen::MatrixXd root = rootOfCovariance(covariance_);
+  Eigen::MatrixXd changes(3 * static_cast<Eigen::Index>(states.size()), root.cols());
+  for (std::size_t n = 0; n < states.size(); ++n)
+    for (Eigen::Index k = 0; k < root.cols(); ++k)
+      changes.block<3, 1>(3 * static_cast<Eigen::Index>(n), k) =
+          (truePosition(states[n], parameters_ + root.col(k)) -
+           truePosition(states[n], parameters_ - root.col(k))) /
+          2.0;
+  return changes;
 }
 
 Eigen::Vector3d NeededCorrection::missed(const State& command, const std::vector<double>& motors) const {

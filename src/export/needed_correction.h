@@ -62,18 +62,23 @@ class NeededCorrection {
   /// Model's displacement of the probe from nominal at these readings, as it was measured, m.
   Eigen::Vector3d displacement(const State& state) const;
 
+  /// How uncertain displacement() is by the parameters: three rows a state, a column an independent
+  /// combination of the parameters, moved by its standard deviation, m.
+  Eigen::MatrixXd uncertain(const std::vector<State>& states) const;
+
   /// Where the tables that were active have points over a joint, m or rad; empty: none.
   std::vector<double> activePoints(int joint) const;
   /// The state as a controller knows it, joints by their letters.
   CommandedState commandOf(const State& state) const;
 
  private:
-  Eigen::Vector3d truePosition(State state) const;
+  Eigen::Vector3d truePosition(State state, const Eigen::VectorXd& parameters) const;
   Eigen::Vector3d besideNominal(const State& command, std::vector<double> readings) const;
   void checkActive() const;
 
   Model model_;
   Eigen::VectorXd parameters_;
+  Eigen::MatrixXd covariance_;
   std::vector<ExportAxis> axes_;
   std::vector<int> linear_;
   ControllerCompensation compensation_;

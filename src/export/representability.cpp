@@ -4,17 +4,18 @@
 #include <cmath>
 
 #include "base/dense.h"
-#include "base/format.h"
+#include "base/quantity_words.h"
 #include "base/rotation.h"
 #include "base/units.h"
 #include "effects/inputs.h"
 #include "effects/iso230_symbol.h"
 #include "export/export_folder.h"
+#include "machine/linear_inverse.h"
 
 namespace mm {
 namespace {
 
-constexpr double kRank = 1e-6;   // of a motion of the whole workpiece: less is rounding
+constexpr double kRank = 1e-6;   // of a motion of the whole workpiece, or of a direction: less is rounding
 constexpr double kMoves = 1e-9;  // m or rad: a correction that is one constant moves nothing
 
 constexpr int kJudgeStates = 512;
@@ -23,14 +24,13 @@ constexpr double kNothing = 1e-10;   // m: rounding of the chain
 constexpr double kBelowAll = 5e-9;   // m: less than any of these machines repeats
 constexpr double kExactShare = 0.02, kNoneShare = 0.95;
 
-double rms(const Eigen::VectorXd& errors) { return std::sqrt(errors.squaredNorm() / errors.size()); }
-
-/// What is left of displacements (three a place) when one displacement, and where asked one small rotation
-/// about the mean place, is taken out of all.
-double leftOver(const Eigen::VectorXd& errors, const std::vector<Eigen::Vector3d>& places, bool rotated) {
+/// Displacements (three rows a place) without the one displacement, and where asked the one small rotation
+/// about the mean place, that an alignment takes out. A column is one error of the machine.
+Eigen::MatrixXd aligned(const Eigen::MatrixXd& errors, const std::vector<Eigen::Vector3d>& places,
+                        bool rotated) {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& p : places) centre += p / places.size();
-  Eigen::MatrixXd rigid = Eigen::MatrixXd::Zero(errors.size(), rotated ? 6 : 3);
+  Eigen::MatrixXd rigid = Eigen::MatrixXd::Zero(errors.rows(), rotated ? 6 : 3);
   double size = 1e-9;
   for (const Eigen::Vector3d& p : places) size = std::max(size, (p - centre).norm());
   for (std::size_t n = 0; n < places.size(); ++n) {
@@ -39,18 +39,52 @@ double leftOver(const Eigen::VectorXd& errors, const std::vector<Eigen::Vector3d
     if (!rotated) continue;
     rigid.block<3, 3>(row, 3) = skew((centre - places[n]) / size);
   }
-  return rms(errors - rigid * shortestLeastSquares(rigid, errors, kRank));
+  return errors - rigid * shortestLeastSquares(rigid, errors, kRank);
+}
+
+/// The machine at the states by which an export is judged: errors three rows a place, m.
+struct Driven {
+  std::vector<State> states;
+  std::vector<Eigen::Vector3d> places;
+  Eigen::VectorXd before, after, beside;  // beside: with what Exported::alsoAdds adds; empty: nothing
+  std::vector<int> directions;            // of workpiece, along which a linear axis moves or the model errs
+};
+
+double meanSquare(const Eigen::VectorXd& errors, int direction) {
+  return errors(Eigen::seqN(direction, errors.size() / 3, 3)).squaredNorm() / (errors.size() / 3);
+}
+
+/// Of a coordinate.
+double rms(const Eigen::VectorXd& errors, const std::vector<int>& directions) {
+  double sum = 0.0;
+  for (const int d : directions) sum += meanSquare(errors, d);
+  return directions.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(directions.size()));
+}
+
+std::vector<int> directionsOf(const NeededCorrection& needed, const Driven& driven) {
+  const State& state = driven.states.front();
+  const Eigen::VectorXd errors = aligned(driven.before, driven.places, true);
+  std::vector<int> directions;
+  for (int d = 0; d < 3; ++d) {
+    const double missed = linearMotion(needed.model().machine(), state.position.data(), state.laserReading,
+                                       Eigen::Vector3d::Unit(d))
+                              .missed;
+    if (missed < 1.0 - kRank || std::sqrt(meanSquare(errors, d)) > kBelowAll) directions.push_back(d);
+  }
+  return directions;
 }
 
 /// Interprets files that nobody has been given yet.
-ExportFigures judged(const std::string& target, const NeededCorrection& needed, const Exported& exported) {
+Driven drivenBy(const std::string& target, const NeededCorrection& needed, const Exported& exported) {
   const TriedExport tried(target, exported);
   const LoadedCompensation& loaded = tried.loaded();
-  const std::vector<State> states = needed.states(kJudgeStates, kJudgeSeed);
-  Eigen::VectorXd before(3 * kJudgeStates), after(3 * kJudgeStates), beside(3 * kJudgeStates);
-  std::vector<Eigen::Vector3d> places;
+  Driven driven;
+  driven.states = needed.states(kJudgeStates, kJudgeSeed);
+  driven.before.resize(3 * kJudgeStates);
+  driven.after.resize(3 * kJudgeStates);
+  if (exported.alsoAdds) driven.beside.resize(3 * kJudgeStates);
   for (int n = 0; n < kJudgeStates; ++n) {
-    const State& state = states[n];
+    const State& state = driven.states[n];
     std::vector<double> motors = state.position;
     const auto drive = [&](const std::map<std::string, double>& added) {
       for (const ExportAxis& axis : needed.axes())
@@ -60,18 +94,68 @@ ExportFigures judged(const std::string& target, const NeededCorrection& needed, 
     const CommandedState command = needed.commandOf(state);
     drive(loaded.tablesAdd(command));
     if (!exported.alsoAdds) drive(loaded.offsetsAdd(command));  // those that were active and stay
-    before.segment<3>(3 * n) = needed.displacement(state);
-    after.segment<3>(3 * n) = needed.missed(state, motors);
+    driven.before.segment<3>(3 * n) = needed.displacement(state);
+    driven.after.segment<3>(3 * n) = needed.missed(state, motors);
     if (exported.alsoAdds) {
       drive(exported.alsoAdds(state));
-      beside.segment<3>(3 * n) = needed.missed(state, motors);
+      driven.beside.segment<3>(3 * n) = needed.missed(state, motors);
     }
-    places.push_back(needed.model().machine().nominal(state.position.data(), state.laserReading).position);
+    driven.places.push_back(
+        needed.model().machine().nominal(state.position.data(), state.laserReading).position);
   }
-  ExportFigures figures{leftOver(before, places, true), leftOver(after, places, true),
-                        leftOver(before, places, false), leftOver(after, places, false)};
-  if (exported.alsoAdds) figures.withOffsets = leftOver(beside, places, true);
+  driven.directions = directionsOf(needed, driven);
+  return driven;
+}
+
+ExportFigures figuresOf(const Driven& driven) {
+  const auto left = [&](const Eigen::VectorXd& errors, bool rotated) {
+    return rms(aligned(errors, driven.places, rotated), driven.directions);
+  };
+  ExportFigures figures{left(driven.before, true), left(driven.after, true), left(driven.before, false),
+                        left(driven.after, false)};
+  if (driven.beside.size() > 0) figures.withOffsets = left(driven.beside, true);
   return figures;
+}
+
+/// What is left along some directions. @param byRoot a column: the model's change, alignment taken out, by
+/// one standard deviation of an independent combination of its parameters, so that byRoot byRoot' is its
+/// covariance.
+LeftOfModel leftOf(const Eigen::VectorXd& errors, const Eigen::MatrixXd& byRoot,
+                   const std::vector<int>& directions) {
+  const auto places = byRoot.rows() / 3;
+  const double count = static_cast<double>(places * static_cast<Eigen::Index>(directions.size()));
+  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(byRoot.cols(), byRoot.cols());
+  Eigen::VectorXd across = Eigen::VectorXd::Zero(byRoot.cols());
+  for (const int d : directions) {
+    const Eigen::MatrixXd g = byRoot(Eigen::seqN(d, places, 3), Eigen::all);
+    const Eigen::VectorXd left = errors(Eigen::seqN(d, places, 3));
+    products += g.transpose() * g / count;
+    across += g.transpose() * left / count;
+  }
+  // of the mean of (left + g z)^2 with z normal: its variance
+  return {rms(errors, directions), std::sqrt(products.trace()),
+          std::sqrt(2.0 * products.squaredNorm() + 4.0 * across.squaredNorm())};
+}
+
+std::vector<LeftAlong> leftAlong(const Driven& driven, const NeededCorrection& needed) {
+  const Eigen::MatrixXd byRoot = aligned(needed.uncertain(driven.states), driven.places, true);
+  const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(driven.before.size());
+  const Eigen::VectorXd before = aligned(driven.before, driven.places, true),
+                        after = aligned(driven.after, driven.places, true);
+  std::vector<LeftAlong> along;
+  const auto add = [&](const std::string& name, const std::vector<int>& directions) {
+    LeftAlong one{name,
+                  leftOf(before, byRoot, directions),
+                  leftOf(after, byRoot, directions),
+                  {},
+                  leftOf(nothing, byRoot, directions)};
+    if (driven.beside.size() > 0)
+      one.withOffsets = leftOf(aligned(driven.beside, driven.places, true), byRoot, directions);
+    along.push_back(std::move(one));
+  };
+  if (driven.directions.size() != 1) add("", driven.directions);
+  for (const int d : driven.directions) add(std::string(1, static_cast<char>('x' + d)), {d});
+  return along;
 }
 
 Calibration oneEffect(const Calibration& whole, int effect) {
@@ -132,7 +216,7 @@ CarriedEffect carriedEffect(const Calibration& calibration, int index, const Exp
   result.effect = one.effects[0];
   result.iso230 = ErrorSymbols(needed.model().machine()).of(result.effect);
   const Exported exported = exportedFor(target, needed, options);
-  result.figures = judged(target.name, needed, exported);
+  result.figures = figuresOf(drivenBy(target.name, needed, exported));
   const ExportFigures& f = result.figures;
   if (f.uncorrected < kNothing && f.unalignedUncorrected < kNothing) {
     const bool any = hasValue(one);
@@ -151,8 +235,8 @@ CarriedEffect carriedEffect(const Calibration& calibration, int index, const Exp
   const double share = f.exported / f.uncorrected;
   const bool exact = share <= kExactShare || (share < 0.5 && f.exported < kBelowAll);
   result.carried = exact ? "exact" : share < kNoneShare ? "approximate" : "none";
-  result.why = whatItDoes(needed) + "; " + target.title + " holds " + exported.holds +
-               format(": %.3g of %.3g um remain", f.exported / kMicrometre, f.uncorrected / kMicrometre);
+  result.why = whatItDoes(needed) + "; " + target.title + " holds " + exported.holds + ": " +
+               errorInWords(f.exported, false) + " of " + errorInWords(f.uncorrected, false) + " remain";
   for (const std::string& told : exported.notFollowed) result.why += "; " + told;
   return result;
 }
@@ -164,8 +248,23 @@ double Representability::unexplained() const {
                                 : heldOut;
 }
 
-double Representability::expected(double left) const {
-  return std::isfinite(heldOut) ? std::hypot(left, unexplained()) : left;
+ExpectedError Representability::expected(const LeftOfModel& left) const {
+  const double byParameters = left.byParameters * left.byParameters;
+  const double byResiduals = unexplained() * unexplained();
+  if (!std::isfinite(byResiduals)) return {byResiduals, 0.0};
+  ExpectedError error;
+  error.rms = std::sqrt(left.rms * left.rms + std::max(byParameters, byResiduals));
+  const double ofResiduals = byResiduals > byParameters && degreesOfFreedom > 0.0
+                                 ? heldOut * heldOut * std::sqrt(2.0 / degreesOfFreedom)
+                                 : 0.0;
+  error.std = error.rms > 0.0 ? std::hypot(left.squareStd, ofResiduals) / (2.0 * error.rms) : 0.0;
+  return error;
+}
+
+ExpectedError Representability::measured(const LeftOfModel& left) const {
+  const ExpectedError at = expected(left);
+  const double rms = std::hypot(at.rms, repeatability);
+  return {rms, rms > 0.0 ? at.std * at.rms / rms : 0.0};
 }
 
 bool Representability::carriesNothing() const {
@@ -185,10 +284,13 @@ Representability representability(const Calibration& calibration, const ExportTa
   const auto tell = [&](const std::string& what, int done) {
     if (progress) progress(what, (done + 1.0) / (count + 1.0));
   };
-  result.figures = judged(target.name, needed, exported);
+  const Driven driven = drivenBy(target.name, needed, exported);
+  result.figures = figuresOf(driven);
+  result.along = leftAlong(driven, needed);
   tell("all effects", 0);
   result.heldOut = std::isfinite(calibration.heldOutRms) ? calibration.heldOutRms : calibration.rms;
   result.repeatability = calibration.repeatability;
+  result.degreesOfFreedom = calibration.degreesOfFreedom;
   result.notFollowed = exported.notFollowed;
   for (int e = 0; e < count; ++e) {
     result.effects.push_back(carriedEffect(calibration, e, target, options));

@@ -12,15 +12,34 @@
 namespace mm {
 
 /// What a target's tables leave, over the calibrated volume, temperatures, directions of travel and duration.
-/// Root mean square of a coordinate, m. Where the machine is driven by the target's rules (src/interpreters)
-/// against where the full model says that it was commanded. What an alignment of the workpiece sets anew, one
-/// displacement and one small rotation of all states, is taken out; `unaligned` takes out the displacement
-/// alone.
+/// Root mean square of a coordinate, m: of those along which a linear axis moves or the model errs. Where the
+/// machine is driven by the target's rules (src/interpreters) against where the full model says that it was
+/// commanded. What an alignment of the workpiece sets anew, one displacement and one small rotation of all
+/// states, is taken out; `unaligned` takes out the displacement alone.
 struct ExportFigures {
   double uncorrected = 0.0, exported = 0.0;
   double unalignedUncorrected = 0.0, unalignedExported = 0.0;
   double withOffsets =
       std::numeric_limits<double>::quiet_NaN();  // and what Exported::alsoAdds adds; NaN: nothing
+};
+
+/// What is left of the model somewhere, and how sure the model is there. Over the same states, alignment
+/// taken out.
+struct LeftOfModel {
+  double rms = std::numeric_limits<double>::quiet_NaN();  // m; NaN: there is no such correction
+  double byParameters = 0.0;  // m: RMS of the standard uncertainty of the model's error, by its parameters
+  double squareStd = 0.0;     // m^2: standard uncertainty, by the parameters, of the mean square error
+};
+
+/// The figures of ExportFigures along one direction of the workpiece's frame.
+struct LeftAlong {
+  std::string direction;  // x, y or z; empty: a coordinate, the mean square of all of them
+  LeftOfModel uncorrected, exported, withOffsets, full;
+};
+
+/// A root mean square error and its standard uncertainty, m.
+struct ExpectedError {
+  double rms = 0.0, std = 0.0;
 };
 
 /// One effect of the model, exported alone.
@@ -37,6 +56,8 @@ struct Representability {
   std::map<std::string, std::string> letters;  // joint -> the controller's axis
   std::map<std::string, std::string> sensors;  // the controller's name of a sensor -> the calibration's
   ExportFigures figures;
+  std::vector<LeftAlong> along;   // a coordinate, and, where there are several, each direction
+  double degreesOfFreedom = 0.0;  // of the session's residuals; 0: not told
   double heldOut = 0.0;        // m: RMS that the full model left of the session, held out where that is known
   double repeatability = 0.0;  // m, of a contact of the session
   std::vector<CarriedEffect> effects;
@@ -49,9 +70,13 @@ struct Representability {
   /// What the full model does not explain of the session beyond the scatter of a contact:
   /// sqrt(max(0, held out^2 - repeatability^2)), m; NaN: the session has no lengths.
   double unexplained() const;
-  /// RMS to be expected at the probe where `left` of the model is left: with what the model does not explain,
-  /// where that is known. m.
-  double expected(double left) const;
+  /// The error of the corrected position: what is left of the model, the uncertainty of its parameters, and
+  /// what it does not explain. Held-out residuals contain the parameters' uncertainty at the session's
+  /// points, so that of the latter two the larger counts. Its uncertainty is that of the parameters and of a
+  /// standard deviation by so many degrees of freedom (GUM E.4.3).
+  ExpectedError expected(const LeftOfModel& left) const;
+  /// The same as a single measurement of the session's repeatability shows it.
+  ExpectedError measured(const LeftOfModel& left) const;
   bool carriesNothing() const;  ///< the export is no better than no correction
 };
 
@@ -65,8 +90,8 @@ Representability representability(const Calibration& calibration, const ExportTa
                                   const Exported& exported, const ExportProgress& progress = {});
 
 /// `{"target": …, "rms_um": {"uncorrected": …, "exported": …, "full": 0}, "expected_rms_um": {the same},
-/// "unexplained_um": …, "effects": […], "files": […]}`: rms_um is of what the model says, of which the full
-/// model leaves nothing.
+/// "measured_rms_um": {the same}, "along": [{"direction": "x", …}], "unexplained_um": …, "effects": […],
+/// "files": […]}`: rms_um is of what the model says, of which the full model leaves nothing.
 nlohmann::ordered_json representabilityJson(const Representability& judged);
 /// The same for people.
 std::string representabilityText(const Representability& judged);

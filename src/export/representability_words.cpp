@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "base/format.h"
+#include "base/quantity_words.h"
 #include "base/units.h"
 #include "export/representability.h"
 
@@ -24,19 +25,62 @@ ordered_json effectJson(const EffectSpec& spec) {
   return json;
 }
 
-std::string um(double metres) {
-  constexpr double kNothing = 1e-9;  // m: less than any controller or instrument resolves
-  if (!std::isfinite(metres)) return "not known";
-  return metres > 0.0 && metres < kNothing ? "below 0.001 um" : format("%.3g um", metres / kMicrometre);
+std::string um(double metres) { return std::isfinite(metres) ? errorInWords(metres, false) : "not known"; }
+
+std::string um(const ExpectedError& error) {
+  if (!std::isfinite(error.rms)) return "not known";
+  return expanded(error.rms / kMicrometre, error.std / kMicrometre, nameOfUnit(false));
+}
+
+/// "uncorrected", "exported" … of some figures, each made JSON.
+template <typename Figure>
+ordered_json eachJson(const LeftAlong& along, const Figure& figure) {
+  ordered_json json{{"uncorrected", figure(along.uncorrected)},
+                    {"exported", figure(along.exported)},
+                    {"full", figure(along.full)}};
+  if (std::isfinite(along.withOffsets.rms)) json["with_offsets"] = figure(along.withOffsets);
+  return json;
+}
+
+ordered_json alongJson(const Representability& judged, const LeftAlong& along) {
+  const auto left = [](const LeftOfModel& l) { return micrometres(l.rms); };
+  const auto expected = [&](const LeftOfModel& l) { return micrometres(judged.expected(l).rms); };
+  const auto expectedStd = [&](const LeftOfModel& l) { return micrometres(judged.expected(l).std); };
+  const auto measured = [&](const LeftOfModel& l) { return micrometres(judged.measured(l).rms); };
+  const auto measuredStd = [&](const LeftOfModel& l) { return micrometres(judged.measured(l).std); };
+  return {{"rms_um", eachJson(along, left)},
+          {"expected_rms_um", eachJson(along, expected)},
+          {"expected_rms_std_um", eachJson(along, expectedStd)},
+          {"measured_rms_um", eachJson(along, measured)},
+          {"measured_rms_std_um", eachJson(along, measuredStd)},
+          {"by_parameters_um", micrometres(along.full.byParameters)}};
+}
+
+std::string alongText(const Representability& judged, const LeftAlong& along) {
+  std::string text = along.direction.empty() ? "a coordinate\n" : "along " + along.direction + "\n";
+  const auto line = [&](const char* what, const LeftOfModel& left) {
+    if (std::isfinite(left.rms))
+      text += format("  %-20s %-19s %-20s ", what, um(left.rms).c_str(), um(judged.expected(left)).c_str()) +
+              um(judged.measured(left)) + "\n";
+  };
+  line("uncorrected", along.uncorrected);
+  line("with this export", along.exported);
+  line("and external offsets", along.withOffsets);
+  line("with the full model", along.full);
+  return text;
 }
 
 std::string expectedWords(const Representability& judged) {
-  if (!std::isfinite(judged.heldOut))
-    return "The part of the session that the model does not explain is unknown: it has no lengths.\n";
-  return "Expected: together with the " + um(judged.unexplained()) +
-         " that the model does not explain of its session, the root of the difference of squares of\n"
-         "what was left there (" +
-         um(judged.heldOut) + ") and the repeatability of a contact (" + um(judged.repeatability) + ").\n";
+  std::string text =
+      "At the probe: what is left of the model, and the larger of the standard uncertainty that its "
+      "parameters\nleave (" +
+      um(judged.along.front().full.byParameters) + ") and what the model does not explain of its session (";
+  text += std::isfinite(judged.heldOut)
+              ? um(judged.unexplained()) + ", the root of the difference of\nsquares of " +
+                    um(judged.heldOut) + " left there and a repeatability of " + um(judged.repeatability) +
+                    ")"
+              : "unknown: the session has no lengths)";
+  return text + ". Measured: with the repeatability of one measurement.\n± is k = 2.\n";
 }
 
 }  // namespace
@@ -47,12 +91,6 @@ ordered_json representabilityJson(const Representability& judged) {
       {"target", judged.target},
       {"touched", judged.touched},
       {"compensation", {{"active", judged.compensation.inWords()}, {"in_words", judged.activeWords}}},
-      {"rms_um",
-       {{"uncorrected", micrometres(f.uncorrected)}, {"exported", micrometres(f.exported)}, {"full", 0.0}}},
-      {"expected_rms_um",
-       {{"uncorrected", micrometres(judged.expected(f.uncorrected))},
-        {"exported", micrometres(judged.expected(f.exported))},
-        {"full", micrometres(judged.unexplained())}}},
       {"unexplained_um", micrometres(judged.unexplained())},
       {"held_out_rms_um", micrometres(judged.heldOut)},
       {"repeatability_um", micrometres(judged.repeatability)},
@@ -60,10 +98,14 @@ ordered_json representabilityJson(const Representability& judged) {
        {{"uncorrected", micrometres(f.unalignedUncorrected)},
         {"exported", micrometres(f.unalignedExported)}}},
       {"carries_nothing", judged.carriesNothing()}};
-  if (std::isfinite(f.withOffsets)) {
-    json["rms_with_offsets_um"] = micrometres(f.withOffsets);
-    json["expected_rms_um"]["with_offsets"] = micrometres(judged.expected(f.withOffsets));
-  }
+  if (std::isfinite(f.withOffsets)) json["rms_with_offsets_um"] = micrometres(f.withOffsets);
+  if (!judged.along.empty()) json.update(alongJson(judged, judged.along.front()));
+  json["along"] = ordered_json::array();
+  for (const LeftAlong& along : judged.along)
+    if (!along.direction.empty()) {
+      json["along"].push_back(alongJson(judged, along));
+      json["along"].back()["direction"] = along.direction;
+    }
   json["not_followed"] = judged.notFollowed;
   json["effects"] = ordered_json::array();
   for (const CarriedEffect& e : judged.effects) {
@@ -87,15 +129,9 @@ ordered_json representabilityJson(const Representability& judged) {
 std::string representabilityText(const Representability& judged) {
   const ExportFigures& f = judged.figures;
   std::string text =
-      "RMS of a coordinate over the calibrated volume, temperatures and directions of travel:\n"
-      "                       left of the model   expected at the probe\n";
-  const auto line = [&](const char* what, double left) {
-    text += format("  %-20s %-19s ", what, um(left).c_str()) + um(judged.expected(left)) + "\n";
-  };
-  line("uncorrected", f.uncorrected);
-  line("with this export", f.exported);
-  if (std::isfinite(f.withOffsets)) line("and external offsets", f.withOffsets);
-  line("with the full model", 0.0);
+      "RMS over the calibrated volume, temperatures and directions of travel:\n"
+      "                       left of the model   at the probe         measured\n";
+  for (const LeftAlong& along : judged.along) text += alongText(judged, along);
   text += expectedWords(judged);
   text += "An alignment of the workpiece is taken out of what is left of the model; without that " +
           um(f.unalignedUncorrected) + " and " + um(f.unalignedExported) + ".\n";

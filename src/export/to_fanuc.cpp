@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/format.h"
+#include "base/quantity_words.h"
 #include "base/tiny.h"
 #include "base/units.h"
 #include "export/fitted_tables.h"
@@ -277,10 +278,10 @@ Exported toFanuc(const NeededCorrection& needed, const ExportOptions& options) {
                letter.c_str(), pitch.increments.size(), pitch.interval / kMillimetre,
                rapid / kMillimetre * 60.0, rapid * kLeastIntervalSeconds / kMillimetre));
     if (pitch.left > kHardlyHeld * pitch.before)
-      out.notFollowed.push_back(format(
-          "the correction of %s bends within the sections of %.4g mm: %.3g of %.3g um of it (RMS) are left",
-          letter.c_str(), pitch.interval / kMillimetre, pitch.left / kMicrometre,
-          pitch.before / kMicrometre));
+      out.notFollowed.push_back(
+          format("the correction of %s bends within the sections of %.4g mm: %s of %s of it (RMS) are left",
+                 letter.c_str(), pitch.interval / kMillimetre, errorInWords(pitch.left, false).c_str(),
+                 errorInWords(pitch.before, false).c_str()));
     if (pitch.magnification > 1)
       out.notes.push_back(
           format("%s rises by more than 7 detection units between two points: magnification %ld.",

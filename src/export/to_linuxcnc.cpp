@@ -70,7 +70,8 @@ void addOffsets(const NeededCorrection& needed, Exported& out) {
     for (std::size_t a = 0; a < values.size(); ++a) added[grid->letters()[a]] = values[a];
     return added;
   };
-  out.load.push_back(
+  out.load.insert(
+      out.load.end() - 1,  // LinuxCNC starts anew after it
       "For the cross-axis and thermal parts, too: copy external_offsets.json and external_offsets.hal beside "
       "the INI file, add HALFILE = external_offsets.hal, and OFFSET_AV_RATIO = 0.1 to each linear [AXIS_l] "
       "(a tenth of its velocity and acceleration is then kept for offsets); put the folder of "
@@ -127,7 +128,7 @@ Exported toLinuxcnc(const NeededCorrection& needed, const ExportOptions& options
       "the table. Joints without a COMP_FILE here keep theirs.",
       "Give the drives room: at a reversal the correction is run in with up to half the joint's velocity "
       "and acceleration on top of the move (STEPGEN_MAXACCEL, STEPGEN_MAXVEL).",
-      "Start LinuxCNC anew and home: the tables count from the homed zero of each joint."};
+      "Start LinuxCNC anew, which loads the tables, and home: they count from the homed zero of each joint."};
   out.reference =
       "Positions are those of the homed joint, in mm. Every table is zero at joint position 0 (mean of both "
       "directions), or at the end of the calibrated range that is nearest to it.";

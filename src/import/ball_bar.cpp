@@ -98,6 +98,7 @@ class BallBarReader {
     ball.radius = radius_;
     ball.position = context_.machine.nominal(centre_.data(), kNotMeasured).position;
     Session session = ownArtifact(context_, "ball_bar", ball);
+    if (time < 0 && feed_ <= 0.0) session.timesAssumed = kTimesInOrder;
     double seconds = 0.0, lastAngle = kNotMeasured;
     auto next = table_.between().begin();
     for (std::size_t i = 0; i < table_.rows().size(); ++i) {

@@ -22,9 +22,13 @@ std::string ColumnFaults::called(std::size_t i) const {
                                                              : std::to_string(i + 1);
 }
 
-std::string ColumnFaults::key(std::size_t i) const {
+std::string ColumnFaults::keyName(std::size_t i) const {
   const std::string& name = layout_.names[i];
-  if (layout_.headerLine == 0 || name.empty() || twice(i)) return std::to_string(i + 1);
+  return layout_.headerLine == 0 || name.empty() || twice(i) ? std::to_string(i + 1) : name;
+}
+
+std::string ColumnFaults::key(std::size_t i) const {
+  const std::string name = keyName(i);
   const bool plain = name.find_first_of(":#{}[],&*?|<>=!%@`'\"") == std::string::npos && name.front() != '-';
   return plain ? name : "'" + name + "'";
 }

@@ -20,7 +20,9 @@ class ColumnFaults {
   std::string place() const;
   /// A column for messages: its name in quotes, or its number.
   std::string called(std::size_t column) const;
-  /// The key of a column in the mapping.
+  /// Name of a column, or its number where it has none of its own.
+  std::string keyName(std::size_t column) const;
+  /// The same as a key of the mapping, in quotes where YAML wants them.
   std::string key(std::size_t column) const;
   /// "add to the mapping (--columns): columns: {key: as}"; where several columns need one, the last fault
   /// has all of them in one line, as a file holds the key once.

@@ -129,19 +129,26 @@ class TableUnderstander {
       const bool zero = samples_[i].lower == 0.0 && samples_[i].upper == 0.0;
       const std::string joint = zero || samples_[i].numbers == 0 ? "" : freeJoint(UnitKind::kLength);
       all += (i > 0 ? ", " : "") + std::to_string(i + 1) + ": " + (joint.empty() ? "ignore" : joint + "_mm");
+      table_.columns.push_back(asWritten(i));
     }
     faults_.add(faults_.place() + "no line names the " + std::to_string(layout_.names.size()) +
-                " columns; add their contents to the mapping (--columns), e.g. columns: {" + all +
-                "}, or put a line of names above the rows");
+                " columns; add their contents to the mapping (--columns): columns: {" + all +
+                "} (an example), or put a line of names above the rows");
   }
 
-  void column(std::size_t i) {
+  UnderstoodColumn asWritten(std::size_t i) const {
     UnderstoodColumn seen;
     const ColumnSample& sample = samples_[i];
     seen.name = layout_.headerLine > 0 && !layout_.names[i].empty() ? layout_.names[i]
                                                                     : "column " + std::to_string(i + 1);
+    seen.key = faults_.keyName(i);
     seen.first = sample.first;
     if (sample.numbers > 0) seen.lower = sample.lower, seen.upper = sample.upper;
+    return seen;
+  }
+
+  void column(std::size_t i) {
+    UnderstoodColumn seen = asWritten(i);
     std::string as;
     for (const auto& [name, value] : mapping_.columns)
       if (faults_.mapped(i, name)) as = value;

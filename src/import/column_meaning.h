@@ -21,7 +21,8 @@ struct UnderstoodColumn {
   double lower = kNotMeasured,
          upper = kNotMeasured;  // of its numbers, in the unit of the file; NaN: it has none
   std::string first;            // first value, as written
-  std::string from;  // where the unit is known from: "header", "units line", "line 2", "mapping", "range"
+  std::string from;   // where the unit is known from: "header", "units line", "line 2", "mapping", "range"
+  std::string key{};  // by which a mapping names it; empty: none may
 };
 
 struct UnderstoodTable {

@@ -67,6 +67,7 @@ class GaugeReader {
       return table_.value(row, column, UnitKind::kLength);
     };
     Session session = emptySession(context_);
+    session.timesAssumed = kTimesInOrder;
     std::set<std::string> zeros;  // placements whose first face was read
     for (const auto& row : table_.rows())
       if (length(row, calibrated) == 0.0) zeros.insert(table_.text(row, label));

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/format.h"
+#include "base/names_of.h"
 #include "base/nearest_name.h"
 #include "base/text.h"
 #include "import/import_format.h"
@@ -14,6 +15,8 @@
 
 namespace mm {
 namespace {
+
+constexpr std::size_t kLettersShown = 120;  // of a line or a cell
 
 /// The form of a table whose header is that of the package's own format, and whose rows are written so.
 std::optional<TableForm> asOwnFormat(const TextFile& file, const Machine& machine) {
@@ -47,19 +50,42 @@ std::string ownUnit(const CsvColumn& c) {
   return parseUnit(splitUnit(c.header).unitText, std::nullopt).value_or(Unit{}).symbol;
 }
 
+/// The first rows below the header, for people.
+void showOwnRows(const TextFile& file, const TableForm& form, Imported& imported) {
+  std::vector<std::string_view> cells;
+  for (std::size_t n = form.headerLine; n < file.lines().size() && imported.rows.size() < kRowsShown; ++n) {
+    const std::string_view line = file.lines()[n];
+    if (trim(line).empty() || !splitCells(line, cells, form.separator)) continue;
+    imported.rows.push_back(shownCells(cells, form.columns.size()));
+  }
+}
+
 void readOwn(const TextFile& file, const TableForm& form, const Machine& machine, const Artifact* artifact,
              Imported& imported, const ProgressCallback& progress) {
   imported.format = "table";
   imported.how = "the package's own columns";
+  for (const CsvColumn& c : form.columns) {
+    UnderstoodColumn seen;
+    seen.name = seen.key = c.header;
+    seen.meaning = meaningText(meaningOf(c, machine), machine);
+    seen.unit = ownUnit(c);
+    seen.from = seen.unit.empty() ? "" : "header";
+    imported.columns.push_back(std::move(seen));
+  }
+  showOwnRows(file, form, imported);
   TableReading reading = readTable(file, form, machine, artifact, progress);
   for (std::size_t i = 0; i < form.columns.size(); ++i) {
-    const CsvColumn& c = form.columns[i];
     const ColumnRange& r = reading.ranges[i];
-    const std::string unit = ownUnit(c);
-    imported.columns.push_back({c.header, meaningText(meaningOf(c, machine), machine), unit, r.lower, r.upper,
-                                r.first, unit.empty() ? "" : "header"});
+    imported.columns[i].lower = r.lower;
+    imported.columns[i].upper = r.upper;
+    imported.columns[i].first = r.first;
   }
   imported.session = std::move(reading.session);
+}
+
+ColumnMapping mappingOf(const ImportRequest& request) {
+  if (!request.mappingText.empty()) return parseColumnMapping(request.mappingText, "mapping");
+  return request.mapping.empty() ? ColumnMapping() : loadColumnMapping(request.mapping);
 }
 
 const ImportFormat& formatNamed(const std::string& name) {
@@ -86,6 +112,20 @@ std::string padded(const std::string& text, std::size_t width) {
   return text + std::string(shown < width ? width - shown : 0, ' ');
 }
 
+/// Rows of as many cells each under one another, with two blanks before each line.
+std::string alignedText(const std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::size_t> widths(rows[0].size(), 0);
+  for (const auto& row : rows)
+    for (std::size_t k = 0; k < row.size(); ++k) widths[k] = std::max(widths[k], shownWidth(row[k]));
+  std::string text;
+  for (const auto& row : rows) {
+    std::string line;
+    for (std::size_t k = 0; k < row.size(); ++k) line += padded(row[k], widths[k] + 2);
+    text += "  " + line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+  }
+  return text;
+}
+
 }  // namespace
 
 const std::vector<ImportFormat>& importFormats() {
@@ -106,11 +146,13 @@ const std::vector<ImportFormat>& importFormats() {
 
 void importFile(const ImportRequest& request, const Machine& machine, const Artifact* artifact,
                 Imported& imported, const ProgressCallback& progress) {
-  ColumnMapping mapping;
-  if (!request.mapping.empty()) mapping = loadColumnMapping(request.mapping);
+  const ColumnMapping mapping = mappingOf(request);
   const std::string wanted = !request.format.empty() ? request.format : mapping.format;
   const ImportFormat* chosen = wanted.empty() ? nullptr : &formatNamed(wanted);
-  const TextFile file(request.file);
+  const TextFile file = request.content ? TextFile(request.file, *request.content) : TextFile(request.file);
+  const std::size_t shown = std::min(kLinesShown, file.lines().size());
+  for (std::size_t n = 0; n < shown; ++n)
+    imported.head.emplace_back(file.lines()[n].substr(0, kLettersShown));
   if (mapping.source.empty() && (wanted.empty() || wanted == "table"))
     if (const auto form = asOwnFormat(file, machine))
       return readOwn(file, *form, machine, artifact, imported, progress);
@@ -132,20 +174,18 @@ std::string understoodText(const Imported& imported) {
     rows.push_back({c.name, c.meaning,
                     c.unit + (c.from.empty() || c.from == "header" ? "" : " (" + c.from + ")"), rangeText(c),
                     c.first});
-  if (rows.size() > 1) {
-    std::vector<std::size_t> widths(rows[0].size(), 0);
-    for (const auto& row : rows)
-      for (std::size_t k = 0; k < row.size(); ++k) widths[k] = std::max(widths[k], shownWidth(row[k]));
-    for (const auto& row : rows) {
-      std::string line;
-      for (std::size_t k = 0; k < row.size(); ++k) line += padded(row[k], widths[k] + 2);
-      text += "  " +
-              std::string(line.begin(), line.begin() + static_cast<long>(line.find_last_not_of(' ') + 1)) +
-              "\n";
-    }
-  }
+  if (rows.size() > 1) text += alignedText(rows);
   for (const std::string& note : imported.notes) text += "note: " + note + "\n";
   return text;
+}
+
+std::string firstRowsText(const Imported& imported) {
+  std::vector<std::vector<std::string>> rows = imported.rows;
+  if (rows.empty())
+    for (const std::string& line : imported.head) rows.push_back({line});
+  else
+    rows.insert(rows.begin(), allNames(imported.columns));
+  return rows.empty() ? "" : "first rows\n" + alignedText(rows);
 }
 
 void finishImport(ImportContext& context, Session session) {
@@ -176,6 +216,13 @@ void finishImport(ImportContext& context, Session session) {
     if (any) context.imported.motion.push_back(std::move(sample));
   }
   context.imported.session = std::move(session);
+}
+
+std::vector<std::string> shownCells(const std::vector<std::string_view>& cells, std::size_t columns) {
+  std::vector<std::string> shown(columns);
+  for (std::size_t i = 0; i < std::min(columns, cells.size()); ++i)
+    shown[i] = cells[i].substr(0, kLettersShown);
+  return shown;
 }
 
 bool headHas(const TextFile& file, std::string_view words) {

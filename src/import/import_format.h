@@ -79,6 +79,9 @@ Observation blankRow(const ImportContext& context, ObservationKind kind, std::si
 /// Index of a setup, made when it is new.
 int setupIndex(Session& session, const std::string& name);
 
+/// The cells of a row as they are shown: as many as there are columns, of a long one its beginning.
+std::vector<std::string> shownCells(const std::vector<std::string_view>& cells, std::size_t columns);
+
 /// Whether one of the first lines has one of these words, `ball bar|iso 230-4` in small letters.
 bool headHas(const TextFile& file, std::string_view words);
 

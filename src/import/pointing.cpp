@@ -34,6 +34,7 @@ class TPointReader {
     // the site, and with NODA alone its date or weather: any count of numbers but those of a star
     if (n <= lines.size() && !isStar(numbersIn(lines[n - 1]))) ++n;
     Session session = emptySession(context_);
+    session.timesAssumed = kTimesInOrder;
     for (; n <= lines.size() && !isEnd(lines[n - 1]); ++n) {
       const std::string_view line = trim(lines[n - 1]);
       if (line.empty() || line.front() == '!' || line.front() == '*') continue;

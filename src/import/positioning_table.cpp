@@ -130,6 +130,12 @@ class PositioningReader {
     return false;
   }
 
+  /// That of the values is known once all columns were looked at.
+  void showUnit(const std::string& symbol) {
+    for (UnderstoodColumn& column : context_.imported.columns)
+      if (column.unit.empty()) column.unit = symbol;
+  }
+
   void byTargets() {
     const auto& names = table_.layout().names;
     table_.show(0, "target position", unitOfTargets());
@@ -196,6 +202,7 @@ class PositioningReader {
     positions_ = arePositions();
     if (positions_) {
       valueUnit_ = targetUnit_;
+      showUnit(targets->symbol);
       context_.note("the values follow the targets: they are measured positions, in " + targets->symbol +
                     "; deviation = measured minus target");
       return true;
@@ -219,6 +226,7 @@ class PositioningReader {
       return false;
     }
     valueUnit_ = unit->factor;
+    showUnit(unit->symbol);
     context_.note("deviations in " + unit->symbol + ", actual minus target");
     return true;
   }
@@ -232,6 +240,7 @@ class PositioningReader {
       return a.run.direction < 0.0 ? a.target > b.target : a.target < b.target;
     });
     Session session = emptySession(context_);
+    session.timesAssumed = kTimesInOrder;
     double time = 0.0;
     for (const Cell& c : cells_) {
       Observation o = blankRow(context_, ObservationKind::kDeviation, c.line, time);
@@ -243,8 +252,8 @@ class PositioningReader {
       session.observations.push_back(std::move(o));
     }
     context_.note(
-        "no times: rows are ordered as in ISO 230-2, run by run, upwards then downwards, one second per "
-        "target; the instrument's zero is an unknown of the setup");
+        "no times: rows are ordered as in ISO 230-2, run by run, upwards then downwards, and no effect "
+        "of time can be told; the instrument's zero is an unknown of the setup");
     finishImport(context_, std::move(session));
   }
 

@@ -254,7 +254,9 @@ class BedSession {
       context_.note(
           "the bed is assumed flat, with unknown height: its tilt appears as squareness of z to x and y, its "
           "form as straightness");
-    if (!stamped) context_.note("no times: rows are taken in the order of probing, one second apart");
+    if (!stamped) session.timesAssumed = kTimesInOrder;
+    if (!stamped)
+      context_.note("no times: rows are taken in the order of probing; no effect of time can be told");
     finishImport(context_, std::move(session));
   }
 

@@ -47,6 +47,7 @@ class RTestReader {
     const auto& joints = context_.machine.joints();
     Session session = ownArtifact(context_, "r_test", {FeatureKind::kPoint, "ball"});
     const int time = table_.column("time t zeit");
+    if (time < 0) session.timesAssumed = kTimesInOrder;
     double seconds = 0.0;
     std::vector<Eigen::Vector3d> tips;
     for (const auto& row : table_.rows()) {

@@ -151,6 +151,9 @@ void RecordTable::show(int column, const std::string& meaning, const std::string
     const std::string cell = text(row, column);
     if (parseNumber(cell, layout_.decimalComma, v)) range.add(cell, v);
   }
+  std::vector<std::vector<std::string>>& shown = context_.imported.rows;
+  shown.resize(std::min(kRowsShown, rows_.size()));
+  for (std::size_t r = 0; r < shown.size(); ++r) shown[r].push_back(text(rows_[r], column));
   context_.imported.columns.push_back({name, meaning, own.empty() ? unit : own, range.lower, range.upper,
                                        rows_.empty() ? "" : text(rows_.front(), column), ""});
 }

@@ -41,6 +41,15 @@ void seeMarkByTravels(ImportContext& context, TableLayout& layout) {
       (comma ? "point" : "comma"));
 }
 
+/// The first rows as written, for people.
+void showRows(const ImportContext& context, const TableLayout& layout) {
+  std::vector<std::vector<std::string>>& shown = context.imported.rows;
+  eachRow(context.file, layout, [&](std::size_t, std::string_view, Cells& cells) {
+    if (shown.size() == kRowsShown || cells.empty()) return;
+    shown.push_back(shownCells(cells, layout.names.size()));
+  });
+}
+
 }  // namespace
 
 void readAnyTable(ImportContext& context) {
@@ -51,6 +60,7 @@ void readAnyTable(ImportContext& context) {
   UnderstoodTable table = understandTable(context.file, layout, context.mapping, context.machine,
                                           context.artifact, context.faults);
   imported.columns = std::move(table.columns);
+  if (!imported.columns.empty()) showRows(context, layout);
   imported.notes.insert(imported.notes.end(), table.notes.begin(), table.notes.end());
   for (const UnclearNumber& u : layout.marks.unclear)
     if (u.column < table.form.columns.size() && table.form.columns[u.column].role != CsvRole::kIgnored)

@@ -190,7 +190,7 @@ void completeTable(const TextFile& file, const TableLayout& layout, const std::v
                "); name one in the mapping (--columns): columns: {" + faults.key(0) + ": " +
                machine.joints().front().name + "_mm}");
   if (!hasAny(table, {CsvRole::kTime, CsvRole::kDate}))
-    table.notes.push_back("no time column: rows are taken in their order, one second apart");
+    table.notes.push_back("no time column: rows are taken in their order; no effect of time can be told");
 }
 
 }  // namespace mm

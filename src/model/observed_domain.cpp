@@ -107,7 +107,8 @@ void addRanges(const std::vector<Series>& logged, const std::vector<Observation>
 std::vector<double> gapsOf(const Session& session) {
   constexpr std::size_t kMost = 400;
   std::vector<double> times;
-  for (const Observation& o : session.observations) times.push_back(session.ownTime(o));
+  for (const Observation& o : session.observations)
+    if (session.timed(o)) times.push_back(session.ownTime(o));
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
   const std::size_t step = times.size() / kMost + 1;
@@ -153,7 +154,7 @@ Domain observedDomain(const Session& session) {
 
   bool first = true;
   for (const Observation& o : session.observations) {
-    domain.duration = std::max(domain.duration, session.ownTime(o));
+    if (session.timed(o)) domain.duration = std::max(domain.duration, session.ownTime(o));
     domain.readingLower = std::fmin(domain.readingLower, o.laserReading);
     domain.readingUpper = std::fmax(domain.readingUpper, o.laserReading);
     for (const double v : o.velocity)

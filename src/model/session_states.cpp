@@ -147,7 +147,8 @@ SessionStates::SessionStates(const Session& session, const Domain& domain, Tempe
   for (const Observation& o : session.observations) {
     const auto recording = static_cast<std::size_t>(o.recording);
     State state;
-    state.time = session.ownTime(o);
+    const double time = session.ownTime(o);
+    state.time = session.timed(o) ? time : kNotMeasured;
     // a session that is none of those of the domain is taken as later than them
     if (session.recordingCount() == domain.recordings) state.recording = o.recording;
     if (!stylusOf.empty()) state.stylus = stylusOf[static_cast<std::size_t>(o.stylus)];
@@ -156,8 +157,8 @@ SessionStates::SessionStates(const Session& session, const Domain& domain, Tempe
     state.velocity.resize(o.position.size(), kNotMeasured);
     state.travel = o.travel;
     state.travel.resize(o.position.size(), 0.0);
-    state.temperature = valuesAt(courses[recording].temperatures, state.time);
-    state.covariate = valuesAt(courses[recording].covariates, state.time);
+    state.temperature = valuesAt(courses[recording].temperatures, time);
+    state.covariate = valuesAt(courses[recording].covariates, time);
     state.laserReading = o.laserReading;
     state.history = histories_[recording].get();
     if (o.kind == ObservationKind::kContact && o.feature >= 0) {  // a length touches nothing

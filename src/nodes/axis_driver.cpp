@@ -29,9 +29,10 @@ std::vector<std::vector<std::string>> stagesOf(const std::string& text) {
 
 MotionControl::Settings AxisDriver::settings(const ros::NodeHandle& own, bool clock) {
   refuseUnknownParameters(
-      own, {"rate", "linear_speed", "rotary_speed", "temperature_rate", "time_factor", "clock", "hardware",
-            "tolerance", "rotary_tolerance", "silence", "late", "rest_timeout", "hold_limit", "homing_order",
-            "probe_settle", "probe_longest", "probe_stuck", "silent_moves", "frame_prefix"});
+      own, {"rate",          "linear_speed", "rotary_speed", "temperature_rate", "time_factor",
+            "clock",         "hardware",     "tolerance",    "rotary_tolerance", "silence",
+            "late",          "rest_timeout", "hold_limit",   "homing_order",     "probe_settle",
+            "probe_longest", "probe_stuck",  "silent_moves", "frame_prefix",     "clock_began"});
   MotionControl::Settings settings;
   settings.tolerance = numberParameter(own, "tolerance", settings.tolerance, 1e-9, 1e-2);
   settings.rotaryTolerance = numberParameter(own, "rotary_tolerance", settings.rotaryTolerance, 1e-9, 0.1);
@@ -76,9 +77,13 @@ AxisDriver::AxisDriver(ros::NodeHandle node, ros::NodeHandle own, std::shared_pt
   latchOut_ = own.advertise<measuring_machine::ProbeLatch>("latch", 1000);
   temperaturesOut_ = own.advertise<measuring_machine::SensorReadings>("temperatures", 100);
   if (controller_->trueTip()) truthOut_ = own.advertise<geometry_msgs::PointStamped>("truth", 1000);
-  if (clock_) clockOut_ = node.advertise<rosgraph_msgs::Clock>("/clock", 1000);
-  const ros::WallTime now = ros::WallTime::now();
-  clockStart_ = ros::Time(now.sec, now.nsec);
+  if (clock_) {
+    clockOut_ = node.advertise<rosgraph_msgs::Clock>("/clock", 1000);
+    const double now = ros::WallTime::now().toSec();
+    const double began = numberParameter(own, "clock_began", now, 0.0, 4e9);
+    own.setParam("clock_began", began);
+    clockStart_ = ros::Time(clockStart(began, now, timeFactor_));
+  }
   advertise(own);
   updater_.setHardwareID(textParameter(own, "hardware", "simulated"));
   updater_.add("motion", this, &AxisDriver::diagnose);
@@ -91,6 +96,7 @@ AxisDriver::AxisDriver(ros::NodeHandle node, ros::NodeHandle own, std::shared_pt
       [this](HomeServer::GoalHandle) { homingCancelled_ = true; }, false);
   homeServer_->start();
   watchListeners(own);
+  for (const std::string& note : control_.capabilities().notes) ROS_INFO("controller: %s", note.c_str());
   thread_ = std::thread([this] { run(); });
   mover_ = std::thread([this] { moveAll(); });
   homer_ = std::thread([this] { homeAll(); });

@@ -48,7 +48,8 @@ namespace mm {
 /// and `rotary_tolerance` (rad) of an arrival, `silence` (s until a controller without a new state is lost),
 /// `rest_timeout` (s within which the axes must rest after a stop), `hold_limit` (s of feed hold),
 /// `homing_order` (`z; x y`: stages, one after the other), `probe_settle`, `probe_longest`, `probe_stuck` (s,
-/// as in ProbeDebounce), `silent_moves` (probing moves without a trip until it is said).
+/// as in ProbeDebounce), `silent_moves` (probing moves without a trip until it is said). Sets `clock_began`:
+/// its next life goes on with the same time.
 class AxisDriver {
  public:
   /// @param controller opened; belongs to this node from here on.

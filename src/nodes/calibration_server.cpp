@@ -119,6 +119,7 @@ CalibrateOptions CalibrationServer::options() { return calibratingIn(job_, threa
 
 CalibrationServer::SessionPtr CalibrationServer::openSession(const std::string& bag,
                                                              const Machine& fallback) {
+  lastBag_ = bag;
   if (bag.empty()) {
     job_.step("collecting the live session", 0.0);
     lastSpace_ = machineSpace();
@@ -182,6 +183,10 @@ Calibration CalibrationServer::calibrationFrom(const std::string& idOrPath) cons
   throw InputError("there is no calibration yet in " + store_.folder().string() + "; call calibrate first");
 }
 
+std::string CalibrationServer::nextCall(const std::string& service, const std::string& request) const {
+  return "next: rosservice call " + own_.resolveName(service) + " \"" + request + "\"";
+}
+
 std::string CalibrationServer::keep(Recalibration& done, const Session& session, std::uint8_t& success,
                                     std::string& message) {
   done.calibration.sessionSpace = lastSpace_;
@@ -195,6 +200,8 @@ std::string CalibrationServer::keep(Recalibration& done, const Session& session,
   const std::string misfit = misfitOf(done.calibration, machine_, machineSpace());
   if (!misfit.empty()) add(message, "it cannot be promoted here: " + misfit);
   add(message, lossText(session));
+  add(message, errorText(done.result, done.calibration.ledger.back().rmsBefore));
+  if (success != 0) add(message, nextCall("diagnose", lastBag_.empty() ? "{}" : "{bag: '" + lastBag_ + "'}"));
   std_msgs::String ledger;
   ledger.data = ledgerText(done.calibration, !std::isfinite(done.result.figures.rms));
   ledgerOut_.publish(ledger);
@@ -229,6 +236,9 @@ bool CalibrationServer::compare(measuring_machine::Compare::Request& request,
       response.json = compareJson(compared.fit, compared.where);
       residualsOut_.publish(residualMarkers(compared.fit, residualScale_, prefix_ + "workpiece"));
       response.message = "compared with calibration " + calibration.id;
+      const CalibrationResult& fit = compared.fit;
+      add(response.message,
+          errorText(fit, std::isfinite(fit.before.rms) ? fit.before.rms : fit.before.rmsAngular));
       add(response.message, lossText(*session));
     });
   });
@@ -247,6 +257,20 @@ void CalibrationServer::diagnoseSession(const Asked& asked, Answer& answer) {
   verdict.pose.position.z = 0.03;
   verdictOut_.publish(verdict);
   add(answer.message, lossText(*session));
+  add(answer.message, errorText(diagnosis));
+  add(answer.message, nextAfter(diagnosis, calibration));
+}
+
+/// What is changed or promoted by default is the candidate, else the active one: of another there is no next.
+std::string CalibrationServer::nextAfter(const Diagnosis& diagnosis, const Calibration& of) const try {
+  if (of.id.empty() || calibrationFrom({}).id != of.id) return {};
+  if (const EffectSpec* next = nextToAdd(diagnosis))
+    return nextCall("add_effect", "effect: '" + next->yaml() + "'") +
+           (diagnosis.nextMeasurement.empty() ? "" : ", or measure next_measurement of json first");
+  const bool complete = diagnosis.verdict == Verdict::kExplained;
+  return complete && store_.linked("candidate") == of.id ? nextCall("promote", "{}") : std::string();
+} catch (const InputError&) {
+  return {};  // the verdict does not wait for a folder
 }
 
 bool CalibrationServer::diagnose(measuring_machine::Diagnose::Request& request,

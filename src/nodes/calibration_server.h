@@ -17,6 +17,7 @@
 #include <string>
 
 #include "calibration_file/calibration_store.h"
+#include "diagnosis/diagnose.h"
 #include "machine/machine.h"
 #include "nodes/job_action.h"
 #include "ros_bridge/live_session.h"
@@ -73,6 +74,9 @@ class CalibrationServer {
   /// Keeps the result as candidate and shows it. @return its id; `success` and `message` say what it is
   /// worth.
   std::string keep(Recalibration& done, const Session& session, std::uint8_t& success, std::string& message);
+  /// The call that follows, as it is typed.
+  std::string nextCall(const std::string& service, const std::string& request) const;
+  std::string nextAfter(const Diagnosis& diagnosis, const Calibration& of) const;
   /// Makes active again what was active before `id`. @param done false: it was asked in vain. @return in
   /// words what became of it.
   std::string takenBack(const std::string& id, bool& done);
@@ -90,6 +94,7 @@ class CalibrationServer {
   Job job_;
   SessionPtr last_;        // of the last long call; only the running job touches it
   std::string lastSpace_;  // the namespace that it was measured in
+  std::string lastBag_;    // as it was asked for; empty: live
   ros::Publisher progressOut_, ledgerOut_, residualsOut_, verdictOut_, changedOut_;
   std::vector<ros::ServiceServer> services_;
   JobAction<measuring_machine::CalibrateAction> calibrateAction_;

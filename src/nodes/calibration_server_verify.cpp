@@ -51,7 +51,7 @@ bool CalibrationServer::verify(measuring_machine::Verify::Request& request,
         response.message += "; " + (kept.empty() ? takenBack(calibration.id, done) : kept);
         response.success = done;
       }
-      for (const std::string& more : {whyNotFresh(calibration, *session), lossText(*session),
+      for (const std::string& more : {axesText(found), whyNotFresh(calibration, *session), lossText(*session),
                                       keepAnswer(store_, calibration, *session, found)})
         if (!more.empty()) response.message += "; " + more;
     });

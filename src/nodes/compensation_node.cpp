@@ -314,7 +314,7 @@ void CompensationNode::takeContact(const measuring_machine::ProbeContactConstPtr
     contactsOut_.publish(toContactMessage(*message, c, active_.loaded->calibration));
   } catch (const std::exception& e) {
     withheldSince_ = e.what();
-    ROS_WARN_THROTTLE(10.0, "%s", e.what());
+    if (isNews(withheldSince_, active_.loaded->id, contactBeyond_)) ROS_WARN_THROTTLE(10.0, "%s", e.what());
   }
 }
 

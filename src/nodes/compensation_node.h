@@ -64,6 +64,9 @@ class CompensationNode {
   void look(const ros::WallTimerEvent& event);
   void reconfigure(const measuring_machine::CompensationConfig& config);
   bool isSilent() const;
+  /// Whether the log is to have it. What lies beyond the calibrated range comes and goes with every move of a
+  /// plan: once of a calibration; the status goes on saying it. @param saidOf the calibration of the last.
+  static bool isNews(const std::string& message, const std::string& calibration, std::string& saidOf);
   measuring_machine::CompensationStatus statusNow();
   bool correctTarget(measuring_machine::CorrectTarget::Request& request,
                      measuring_machine::CorrectTarget::Response& response);
@@ -90,7 +93,9 @@ class CompensationNode {
   std::map<std::string, ros::Subscriber> temperaturesIn_, covariatesIn_;
 
   measuring_machine::CompensationStatus shown_;
-  std::string words_;  // of the status as last published
+  std::string words_;          // of the status as last published
+  std::string statusBeyond_;   // calibrations of which the log has that something lies beyond their range:
+  std::string contactBeyond_;  // a status; a contact (with `mutex_`)
   ros::WallTime nextStatus_, nextMarkers_;
   ros::CallbackQueue slow_;
   ros::Publisher markersOut_, contactsOut_, statusOut_;

@@ -1,6 +1,8 @@
 // What the node says of itself: its status, the arrows at the tip, diagnostics.
 #include <algorithm>
+#include <utility>
 
+#include "compensation/limits.h"
 #include "nodes/compensation_node.h"
 #include "ros_bridge/correction_messages.h"
 
@@ -44,7 +46,7 @@ measuring_machine::CompensationStatus CompensationNode::statusNow() {
   add(status.message, pair_->warning);
   add(status.message, active_.note);
   status.publishing = !silent && active_.loaded && inputs_.complete() && active_.reason.empty();
-  add(status.candidate_message, candidate_.reason);
+  if (candidate_.loaded) add(status.candidate_message, candidate_.reason);
   add(status.candidate_message, pair_->candidateWarning);
   if (status.publishing) {
     MovingState state = active_.state;
@@ -63,6 +65,12 @@ measuring_machine::CompensationStatus CompensationNode::statusNow() {
   return status;
 }
 
+bool CompensationNode::isNews(const std::string& message, const std::string& calibration,
+                              std::string& saidOf) {
+  if (message.find(kCalibratedRange) == std::string::npos) return true;
+  return std::exchange(saidOf, calibration) != calibration;
+}
+
 void CompensationNode::look(const ros::WallTimerEvent&) {
   if (const auto pair = watch_.refresh()) install(pair);
   measuring_machine::CompensationStatus status = statusNow();
@@ -74,7 +82,8 @@ void CompensationNode::look(const ros::WallTimerEvent&) {
       status.calibration_id == shown_.calibration_id && status.candidate_id == shown_.candidate_id;
   const bool same = words == words_ && ids && status.publishing == shown_.publishing;
   if (same && now < nextStatus_) return;
-  if (words != words_ && !status.message.empty() && !status.publishing)
+  if (words != words_ && !status.message.empty() && !status.publishing &&
+      isNews(status.message, status.calibration_id, statusBeyond_))
     ROS_WARN("%s", status.message.c_str());
   words_ = words;
   nextStatus_ = now + ros::WallDuration(1.0);

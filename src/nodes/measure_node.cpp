@@ -11,6 +11,7 @@
 #include "ros_bridge/message_conversion.h"
 #include "ros_bridge/node_support.h"
 #include "session/plan_ways.h"
+#include "session/trial_block.h"
 
 namespace mm {
 namespace {
@@ -188,7 +189,7 @@ void MeasureNode::execute(const measuring_machine::MeasureGoalConstPtr& goal) {
   try {
     const Plan plan = loadPlan(goal->plan);
     for (const PlanMove& move : plan.moves)
-      if (move.kind == MoveKind::kDeviation || move.kind == MoveKind::kPosition)
+      if (byInstrument(move.kind))
         throw InputError(
             plan.source + ":" + std::to_string(move.line) +
             ": needs an independent instrument, which this node does not have; use `mm simulate`, "
@@ -293,7 +294,7 @@ void MeasureNode::askFor(const Plan& plan, const PlanMove& move) {
   if (stand == stand_) return;
   const bool first = stand_.empty();
   stand_ = stand;
-  if (first) return;  // as it stands when a plan begins
+  if (first && !trialBlock(placement_)) return;  // as it stands when a plan begins
   feedback_.asks = "set up " + stand + ", then continue";
   ROS_INFO("%s", feedback_.asks.c_str());
   paused_ = true;

@@ -25,6 +25,10 @@ mm::BenchSources sources() {
                             const mm::Machine* fallback) {
     return mm::readSessionBags(mm::bagPaths(bag.string()), progress, fallback, {space, false});
   };
+  sources.writeBag = [](const mm::Session& session, const std::filesystem::path& file,
+                        const std::vector<mm::MotionSample>& motion, const mm::ProgressCallback& progress) {
+    mm::writeSessionBag(session, file, progress, motion);
+  };
   sources.spaceOf = [space](const std::filesystem::path& bag) { return mm::bagSpace(bag.string(), space); };
   sources.packageFolder = mm::packageFolder;
   return sources;

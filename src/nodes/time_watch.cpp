@@ -1,5 +1,7 @@
 #include "nodes/time_watch.h"
 
+#include <algorithm>
+
 namespace mm {
 namespace {
 
@@ -18,6 +20,10 @@ std::string TimeWatch::look() {
   if (!now.isZero() && wall - since_ <= kStands) return {};
   return "ROS time stands still: /use_sim_time is true and nothing publishes /clock; start the clock, or "
          "`rosparam set /use_sim_time false` and restart this node";
+}
+
+double clockStart(double began, double now, double factor) {
+  return began + std::max(0.0, now - began) * factor;
 }
 
 }  // namespace mm

@@ -16,4 +16,10 @@ class TimeWatch {
   ros::SteadyTime since_;  // when it last went on
 };
 
+/// Where the clock of a simulation begins, s: a driver that comes up again goes on where the one before would
+/// be by now, so that no node ever sees time go back.
+/// @param began when the first one began, @param now of the wall, s. @param factor simulated seconds a
+/// second.
+double clockStart(double began, double now, double factor);
+
 }  // namespace mm

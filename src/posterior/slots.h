@@ -15,6 +15,9 @@ struct Slot {
 
 constexpr double kNamed = 0.99;  // probability at which a cause, or a set of rivals, is named
 
+/// A cause that is not named and has at least this probability is told: it cannot be excluded.
+constexpr double kPossible = 0.1;
+
 /// Share of named causes that were right: no catalogue has every law. Of 834 causes that were named at
 /// the then bound in 800 sessions by other physics 794 were hidden (scripts/judge; 0.952, 95 % interval 0.935
 /// to 0.966).

@@ -79,8 +79,8 @@ struct Certificate {
   std::string checksum;  // CRC-64 of the calibration's file; empty: of the file that it would make
 };
 
-/// Curves of the correction over each axis that was calibrated over a range; none where an input is not
-/// known.
+/// Curves of the correction over each axis that was calibrated over a range, by as many points as follow it;
+/// none where an input is not known.
 std::vector<CorrectionCurve> correctionCurves(const Calibration& calibration);
 
 /// Its number, as it is printed.

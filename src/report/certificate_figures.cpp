@@ -149,13 +149,16 @@ std::string rangeText(double lower, double upper, const std::string& unit) {
   return format("%.4g to %.4g", lower, upper) + (unit.empty() ? "" : " " + unit);
 }
 
+bool timesRecorded(const Domain& domain) { return domain.duration > 0.0; }
+
 std::string driftText(const Domain& domain, const Wandering& drift) {
   const int j = domain.findJoint(drift.direction);
   const bool rotary = j >= 0 && domain.joints[static_cast<std::size_t>(j)].kind == JointKind::kRotary;
   return "along " + drift.direction +
-         format(": standard deviation %.2g %s, time constant %.3g min",
-                drift.std / (rotary ? kArcsecond : kMicrometre), rotary ? "arcsec" : "um",
-                drift.timeConstant / 60.0);
+         format(": standard deviation %.2g %s", drift.std / (rotary ? kArcsecond : kMicrometre),
+                rotary ? "arcsec" : "um") +
+         (timesRecorded(domain) ? format(", time constant %.3g min", drift.timeConstant / 60.0)
+                                : ", in the order of the measurements; no times were recorded");
 }
 
 StatedGroup taskFigures(const CertifiedTask& task) {

@@ -58,6 +58,9 @@ LengthTable lengthTable(const TaskUncertainty& task);
 /// "-12 to 12 mm"; "not recorded" of one that is not finite. @param lower, upper in the unit.
 std::string rangeText(double lower, double upper, const std::string& unit);
 
+/// Whether the calibration knows times; a session without them tells an order alone.
+bool timesRecorded(const Domain& domain);
+
 /// What a session's drift along a direction was: "along x: standard deviation 0.4 um, time constant 12 min".
 std::string driftText(const Domain& domain, const Wandering& drift);
 

@@ -100,8 +100,9 @@ std::string environmentSection(const Calibration& c) {
     html += factRow("Temperature " + d.sensors[s], rangeText(d.sensorLower[s], d.sensorUpper[s], "degC"));
   for (std::size_t v = 0; v < d.covariates.size(); ++v)
     html += factRow(d.covariates[v], rangeText(d.covariateLower[v], d.covariateUpper[v], ""));
-  html += factRow("Duration", format("%.3g h", d.duration / 3600.0));
-  for (const Wandering& w : c.drift) html += factRow("Drift seen", driftText(d, w));
+  html += factRow("Duration", timesRecorded(d) ? format("%.3g h", d.duration / 3600.0) : "not recorded");
+  for (const Wandering& w : c.drift)
+    html += factRow(timesRecorded(d) ? "Drift seen" : "Variation seen", driftText(d, w));
   return html +
          "</table>\n"
          "<p class=\"small\">The results are valid within these ranges; changes of the machine after the "
@@ -238,6 +239,14 @@ std::string residualText(const Calibration& c, double v) {
                           : std::string("–");
 }
 
+/// Whether the model describes all that its session showed.
+std::string leftText(const Calibration& c) {
+  const double left = timesRepeatability(c.repeatabilityFrom, c.chi2PerDof);
+  if (!(left > 0.0)) return "not known: the repeatability was estimated from these residuals";
+  return format("%.2g times the repeatability", left) +
+         (left > kLeavesMore ? ": errors that this model does not describe remain" : "");
+}
+
 /// What ISO/TR 16907 asks to be told of a numerical compensation.
 std::string compensationSection(const Calibration& c) {
   const bool angular = angularOnly(c);
@@ -254,7 +263,7 @@ std::string compensationSection(const Calibration& c) {
                      " compensated (calculated), " +
                      residualText(c, angular ? c.heldOutRmsAngular : c.heldOutRms) + " " + residualUnit(c) +
                      " at measurements that the fit did not use") +
-         "</table>\n";
+         factRow("The model leaves", leftText(c)) + "</table>\n";
 }
 
 std::string historySection(const Calibration& c) {

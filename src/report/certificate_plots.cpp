@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "base/format.h"
 #include "base/tiny.h"
@@ -73,14 +74,30 @@ std::string grid(const PlotFrame& f) {
   return svg;
 }
 
+/// Indices of the points that a line is drawn by: of more than a plot can show the first, the lowest, the
+/// highest and the last of each half unit of its width, so that short waves are a band of their height.
+std::vector<std::size_t> drawnOf(const PlotFrame& f, const PlotSeries& s) {
+  std::vector<std::size_t> drawn;
+  for (std::size_t begin = 0, end = 0; begin < s.x.size(); begin = end) {
+    const double column = std::floor(2.0 * f.px(s.x[begin]));
+    for (end = begin; end < s.x.size() && std::floor(2.0 * f.px(s.x[end])) == column;) ++end;
+    const auto [low, high] =
+        std::minmax_element(s.y.begin() + static_cast<long>(begin), s.y.begin() + static_cast<long>(end));
+    std::set<std::size_t> kept{begin, end - 1, static_cast<std::size_t>(low - s.y.begin()),
+                               static_cast<std::size_t>(high - s.y.begin())};
+    drawn.insert(drawn.end(), kept.begin(), kept.end());
+  }
+  return drawn;
+}
+
 std::string curveOf(const PlotFrame& f, const PlotSeries& s) {
   std::string svg;
+  const std::vector<std::size_t> drawn = drawnOf(f, s);
   if (!s.band.empty()) {
     std::string outline;
-    for (std::size_t i = 0; i < s.x.size(); ++i)
-      outline += format("%.1f,%.1f ", f.px(s.x[i]), f.py(s.y[i] + s.band[i]));
-    for (std::size_t i = s.x.size(); i-- > 0;)
-      outline += format("%.1f,%.1f ", f.px(s.x[i]), f.py(s.y[i] - s.band[i]));
+    for (const std::size_t i : drawn) outline += format("%.1f,%.1f ", f.px(s.x[i]), f.py(s.y[i] + s.band[i]));
+    for (std::size_t k = drawn.size(); k-- > 0;)
+      outline += format("%.1f,%.1f ", f.px(s.x[drawn[k]]), f.py(s.y[drawn[k]] - s.band[drawn[k]]));
     svg += "<polygon points=\"" + outline + "\" fill=\"" + s.colour + "\" opacity=\"0.18\"/>";
   }
   if (s.points) {
@@ -92,7 +109,7 @@ std::string curveOf(const PlotFrame& f, const PlotSeries& s) {
     return svg;
   }
   std::string line;
-  for (std::size_t i = 0; i < s.x.size(); ++i) line += format("%.1f,%.1f ", f.px(s.x[i]), f.py(s.y[i]));
+  for (const std::size_t i : drawn) line += format("%.1f,%.1f ", f.px(s.x[i]), f.py(s.y[i]));
   return svg + "<polyline points=\"" + line + "\" fill=\"none\" stroke=\"" + s.colour +
          "\" stroke-width=\"1.8\"/>";
 }

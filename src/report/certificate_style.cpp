@@ -46,7 +46,8 @@ td.share { width: 52mm; white-space: nowrap; }
 p { margin: 1.5mm 0; } .small { font-size: 9pt; color: #444c56; }
 .sign { display: flex; margin-top: 14mm; break-inside: avoid; } .sign div + div { margin-left: 12mm; } .sign div { flex: 1; border-top: .3mm solid #444c56; padding-top: 1mm; font-size: 9pt; }
 @media print { body { background: #fff; } main { margin: 0; padding: 0; max-width: none; box-shadow: none; } * { print-color-adjust: exact; -webkit-print-color-adjust: exact; } }
-@media (max-width: 720px) { main { margin: 0; padding: 6mm 4mm; } .wide { overflow-x: auto; } table.facts th { width: 30%; } }
+@media screen and (max-width: 720px) { main { margin: 0; padding: 6mm 4mm; } .wide { overflow-x: auto; } table.facts th { width: 30%; }
+  table:not(.facts) { display: block; overflow-x: auto; } thead th, thead th.n { white-space: normal; } td, th { overflow-wrap: break-word; } td:first-child:not(.n) { min-width: 26mm; } td.share { width: auto; } }
 )";
 
 }  // namespace

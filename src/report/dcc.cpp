@@ -164,7 +164,8 @@ void addStatements(XMLElement& data, const Certificate& c) {
   addText(traceability, "dcc:declaration", c.facts.traceability);
   addText(addStatement(list, "range of validity"), "dcc:declaration", rangesOf(c.calibration.domain));
   for (const Wandering& w : c.calibration.drift)
-    addText(addStatement(list, "drift seen"), "dcc:declaration", driftText(c.calibration.domain, w));
+    addText(addStatement(list, timesRecorded(c.calibration.domain) ? "drift seen" : "variation seen"),
+            "dcc:declaration", driftText(c.calibration.domain, w));
   for (const CertifiedTask& task : c.tasks) {
     for (const std::string& why : task.result.outside)
       addText(addStatement(list, "validity: " + task.result.task), "dcc:declaration",

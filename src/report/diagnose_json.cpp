@@ -21,6 +21,7 @@ Json candidateJson(const CandidateResult& c, const Diagnosis& d) {
   const auto confusable = [&](const Confusable& other) { return confusableJson(other, d); };
   return jsonObject({effectInWords(c.effect, symbolsOf(d)),
                      {{"owner", ownerOf(c.effect, d)}, {"parameters", jsonList(c.parameters, parameter)}},
+                     entryIf(hasOpenRivals(c), "one_of_several", true),
                      figureOf(d.angular, "size", c.size),
                      {{"p_value", c.pValue}, {"gain", c.gain}},
                      oddsJson(c.odds),
@@ -28,6 +29,10 @@ Json candidateJson(const CandidateResult& c, const Diagnosis& d) {
                      {{"confusable_with", jsonList(c.confusableWith, confusable)}},
                      entryIf(!c.looksTheSame.empty(), "looks_the_same", c.looksTheSame),
                      {{"cause", c.cause}, {"remedy", c.remedy}}});
+}
+
+Json possibleJson(const PossibleCause& p, const Diagnosis& d) {
+  return jsonObject({effectInWords(p.effect, symbolsOf(d)), oddsJson(p.odds), {{"shown_by", p.shownBy}}});
 }
 
 Json profileJson(const ProfileResult& p, const Diagnosis& d) {
@@ -104,7 +109,9 @@ Json moveJson(const Move& move) {
   return one;
 }
 
-Json notJudgedJson(const NotJudged& n) { return {{"joint", n.joint}, {"observations", n.observations}}; }
+Json notJudgedJson(const NotJudged& n) {
+  return {{"joint", n.joint}, {"observations", n.observations}, {"direction_known", n.directionKnown}};
+}
 
 }  // namespace
 
@@ -115,8 +122,11 @@ Json diagnosisJson(const Diagnosis& d) {
   const auto each = [&d](const auto& list, auto entry) {
     return jsonList(list, [&](const auto& one) { return entry(one, d); });
   };
+  const Json tests =
+      testsJson(fitted ? standardTests(d.base.problem->session()) : std::vector<StandardTest>());
   return jsonObject(
       {{{"observations", fitted ? Json(d.base.problem->session().observations.size()) : Json()}},
+       {{"tests", tests}},
        underUnit(d.angular, "repeatability", repeatability / unitOf(d.angular)),
        {{"repeatability_from", d.base.repeatabilityFrom}},
        figuresJson(d.base.figures, true),
@@ -134,6 +144,7 @@ Json diagnosisJson(const Diagnosis& d) {
         {"sentence", d.sentence},
         {"where", whereJson(d.where)},
         {"missing", each(d.missing, candidateJson)},
+        {"possible", each(d.possible, possibleJson)},
         {"candidates", each(d.candidates, candidateJson)},
         {"profiles", each(d.profiles, profileJson)},
         {"formulas", each(d.formulas, formulaJson)},

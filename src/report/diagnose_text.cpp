@@ -8,6 +8,7 @@
 #include "report/symbols_of.h"
 #include "report/text.h"
 #include "report/text_parts.h"
+#include "uncertainty/standard_tests.h"
 #include "workflow/learning.h"
 
 namespace mm {
@@ -53,6 +54,15 @@ std::string missingText(const CandidateResult& c, bool angular, const ErrorSymbo
     label.clear();
   }
   return text + entry("looks the same", c.looksTheSame) + entry("cause", c.cause) + entry("remedy", c.remedy);
+}
+
+std::string possibleText(const Diagnosis& d) {
+  if (d.possible.empty()) return {};
+  std::string text = "\nNot established, and not excluded\n";
+  for (const PossibleCause& p : d.possible)
+    text += "  " + inWords(p.effect, symbolsOf(d)) + "\n" + entry("odds", oddsInWords(p.odds)) +
+            entry("would show it", p.shownBy);
+  return text;
 }
 
 std::string driftText(const Diagnosis& d) {
@@ -129,11 +139,11 @@ std::string figuresText(const Diagnosis& d) {
     text += "\n  most readings agree within the resolution of " + length(d.resolution, d.angular) +
             ": they were treated as spread over a quarter of it";
   for (const NotJudged& n : d.notJudged)
-    text += format(
-        "\n"
-        "  %d observations are not evaluated: the direction from which %s arrived is unknown; move it before "
-        "the first reading",
-        n.observations, n.joint.c_str());
+    text += format("\n  %d observation%s not evaluated: ", n.observations,
+                   n.observations == 1 ? " is" : "s are") +
+            (n.directionKnown ? "how far " + n.joint + " had come since its last reversal"
+                              : "the direction from which " + n.joint + " arrived") +
+            " is unknown; move it before the first reading";
   return text + "\n  ± is the expanded uncertainty, k = 2\n";
 }
 
@@ -203,14 +213,28 @@ std::string movesCommand(const std::string& session, const std::string& calibrat
   return diagnoseCommand(session, calibration) + " --moves moves.yaml";
 }
 
+std::string errorText(const Diagnosis& d) {
+  if (!d.base.problem) return {};
+  const ResidualFigures& f = d.base.figures;
+  const double unit = d.angular ? kArcsecond : kMicrometre;
+  return "RMS " + length(d.angular ? f.rmsAngular : f.rms, d.angular) +
+         (d.noise > 0.0
+              ? ", noise " + expanded(d.noise / unit, d.noiseStd / unit, d.angular ? "arcsec" : "um") +
+                    " (k = 2)"
+              : "");
+}
+
 std::string diagnoseText(const Diagnosis& d, const std::string& session, const std::string& calibration) {
   std::string text = d.sentence + "\n";
+  if (d.base.problem)
+    for (const StandardTest& test : standardTests(d.base.problem->session())) text += test.inWords + "\n";
   if (d.verdict == Verdict::kQuestion) return text + (d.base.problem ? figuresText(d) : "");
   if (d.base.problem) text += figuresText(d) + "\n" + whereText(d.where);
-  if (!d.missing.empty()) {
-    text += "\nMissing, in the order found\n";
-    for (const CandidateResult& c : d.missing) text += missingText(c, d.angular, symbolsOf(d));
-  }
+  std::string named, oneOf;
+  for (const CandidateResult& c : d.missing)
+    (hasOpenRivals(c) ? oneOf : named) += missingText(c, d.angular, symbolsOf(d));
+  if (!named.empty()) text += "\nMissing, in the order found\n" + named;
+  if (!oneOf.empty()) text += "\nOne of several acts, and these data do not tell which\n" + oneOf;
   if (!d.profiles.empty()) {
     text += "\nErrors that no effect of the catalogue explains\n";
     for (const ProfileResult& p : d.profiles) text += profileText(d, p);
@@ -221,7 +245,7 @@ std::string diagnoseText(const Diagnosis& d, const std::string& session, const s
       text += "  " + f.effect.yaml() + "   held-out RMS " + length(f.heldOutBefore, d.angular) + " -> " +
               length(f.heldOutAfter, d.angular) + "\n";
   }
-  text += driftText(d) + artifactText(d) + inputsText(d);
+  text += possibleText(d) + driftText(d) + artifactText(d) + inputsText(d);
   text += cannotShowText(d);
   if (!d.nextMeasurement.empty()) {
     constexpr std::size_t kShown = 6;

@@ -50,6 +50,63 @@ Json circleFiguresJson(const CircleFigures& f) {
           {"H", rounded(f.hysteresis, kFigureStep)}};
 }
 
+constexpr double kHourStep = 1e-5;         // h: 0.04 s
+constexpr double kTemperatureStep = 1e-4;  // degC: below the noise of any sensor
+
+Json driftFigureJson(const DriftFigure& f) {
+  return {{"value", rounded(f.value, kFigureStep)},
+          {"std", rounded(f.std, kFigureStep)},
+          {"noise", rounded(f.noise, kFigureStep)}};
+}
+
+Json driftFiguresJson(const DriftFigures& f) {
+  return {{"range", driftFigureJson(f.range)},
+          {"hour", driftFigureJson(f.hour)},
+          {"first_hour", driftFigureJson(f.firstHour)},
+          {"heated", driftFigureJson(f.heated)},
+          {"recovery", driftFigureJson(f.recovery)}};
+}
+
+/// The error motion of an axis that moved which a course is; empty: it is none.
+std::string symbolOfCourse(const ThermalTest& test, const ThermalCourse& course,
+                           const ErrorSymbols& symbols) {
+  if (test.joint.empty() || course.between) return {};
+  EffectSpec motion(course.direction == test.joint ? "scale" : "straightness");
+  motion.set("axis", test.joint);
+  if (course.direction != test.joint) motion.set("direction", course.direction).set("degree", "2");
+  return symbols.of(motion);
+}
+
+Json thermalTestJson(const ThermalTestFigures& figures, const ErrorSymbols& symbols) {
+  constexpr std::array<const char*, 4> kKinds = {"etve", "spindle", "linear_axis", "rotary_axis"};
+  const ThermalTest& test = figures.test;
+  Json courses = Json::array();
+  for (std::size_t i = 0; i < test.courses.size(); ++i) {
+    const ThermalCourse& c = test.courses[i];
+    const std::string symbol = symbolOfCourse(test, c, symbols);
+    courses.push_back(jsonObject({{{"name", c.name}, {"direction", c.direction}},
+                                  entryIf(!symbol.empty(), "iso230", symbol),
+                                  {{"at", rounded(c.at, kPlaceStep)},
+                                   {"between", c.between},
+                                   {"hours", roundedList(c.measured.hours, kHourStep)},
+                                   {"measured", roundedList(c.measured.value, kDeviationStep)},
+                                   {"left", roundedList(c.left, kDeviationStep)},
+                                   {"measured_figures", driftFiguresJson(figures.measured[i])},
+                                   {"left_figures", driftFiguresJson(figures.left[i])}}}));
+  }
+  return {{"test", "iso230-3"},
+          {"kind", kKinds[static_cast<std::size_t>(test.kind)]},
+          {"in_words", inWords(test)},
+          {"axis", test.joint},
+          {"spindle", test.spindle},
+          {"setup", test.setup},
+          {"unit", nameOfUnit(test.angular)},
+          {"position_unit", test.rotary ? "deg" : "mm"},
+          {"hours", {rounded(test.from, kHourStep), rounded(test.to, kHourStep)}},
+          {"heated_hours", {rounded(test.heated.from, kHourStep), rounded(test.heated.to, kHourStep)}},
+          {"courses", courses}};
+}
+
 }  // namespace
 
 Json positioningJson(const std::vector<AxisPositioning>& axes) {
@@ -78,6 +135,57 @@ Json circlesJson(const std::vector<CircleTest>& tests) {
             {"measured", circleFiguresJson(t.measured)},
             {"calibrated", circleFiguresJson(t.calibrated)}};
   });
+}
+
+Json diagonalsJson(const std::vector<DiagonalTest>& tests) {
+  std::vector<AxisPositioning> axes;
+  for (const DiagonalTest& test : tests) {
+    AxisPositioning axis;
+    axis.axis = test.name;
+    axis.name = test.name + (test.setup.empty() || test.setup == test.name ? "" : ", setup " + test.setup);
+    axis.measured = test.measured;
+    axis.calibrated = test.left;
+    axis.runs = test.runs;
+    axis.left = test.leftRuns;
+    axes.push_back(std::move(axis));
+  }
+  return positioningJson(axes);
+}
+
+Json rotationJson(const RotationTest& test) {
+  if (test.angle.empty()) return nullptr;
+  return {{"radius_mm", rounded(test.radius, kPlaceStep)},
+          {"angle_deg", roundedList(test.angle, kAngleStep, [](double angle) { return angle / kDegree; })},
+          {"radial_um", roundedList(test.radial, kDeviationStep)},
+          {"axial_um", roundedList(test.axial, kDeviationStep)},
+          {"radial_error_um", rounded(test.radialError, kFigureStep)},
+          {"axial_error_um", rounded(test.axialError, kFigureStep)}};
+}
+
+Json lengthsJson(const std::vector<LengthLineTest>& tests) {
+  return jsonList(tests, [](const LengthLineTest& t) -> Json {
+    return {{"name", t.name},
+            {"setup", t.setup},
+            {"lengths", t.lengths},
+            {"length_mm", roundedList(t.errors, kPlaceStep, &LengthError::length)},
+            {"E_um", roundedList(t.errors, kDeviationStep, &LengthError::error)},
+            {"left_um", roundedList(t.errors, kDeviationStep, &LengthError::left)},
+            {"largest_um", rounded(t.largest, kFigureStep)},
+            {"largest_left_um", rounded(t.largestLeft, kFigureStep)}};
+  });
+}
+
+Json thermalJson(const ThermalReport& report, const Machine& machine) {
+  const ErrorSymbols symbols(machine);
+  const auto test = [&](const ThermalTestFigures& t) { return thermalTestJson(t, symbols); };
+  const auto temperature = [](const TemperatureCourse& c) -> Json {
+    return {{"sensor", c.sensor},
+            {"range", rounded(c.range, kTemperatureStep)},
+            {"hours", roundedList(c.hours, kHourStep)},
+            {"temperature", roundedList(c.temperature, kTemperatureStep)}};
+  };
+  return {{"tests", jsonList(report.tests, test)},
+          {"temperatures", jsonList(report.temperatures, temperature)}};
 }
 
 }  // namespace mm

@@ -156,6 +156,12 @@ Json sessionNotes(const Session& session, const std::vector<Doubt>& questions) {
           {"questions", jsonList(questions, question)}};
 }
 
+Json testsJson(const std::vector<StandardTest>& tests) {
+  return jsonList(tests, [](const StandardTest& t) -> Json {
+    return {{"test", t.test}, {"in_words", t.inWords}};
+  });
+}
+
 Json ledgerJson(const std::vector<LedgerEntry>& ledger, bool angular, const ErrorSymbols& symbols) {
   return jsonList(ledger, [&](const LedgerEntry& e) {
     const bool ofEffect = !e.effect.type.empty();

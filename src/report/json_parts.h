@@ -10,6 +10,7 @@
 #include "effects/iso230_symbol.h"
 #include "estimation/calibrate.h"
 #include "session/sense_checks.h"
+#include "uncertainty/standard_tests.h"
 
 namespace mm {
 
@@ -75,6 +76,8 @@ Json parametersJson(const Calibration& calibration);
 Json diagnosisJson(const Diagnosis& diagnosis);
 /// What `mm check --json` prints, as an object.
 Json pointSetObject(const PointSet& set);
+/// What `mm check --json` and `mm diagnose --json` say of the tests that a session is.
+Json testsJson(const std::vector<StandardTest>& tests);
 Json ledgerJson(const std::vector<LedgerEntry>& ledger, bool angular, const ErrorSymbols& symbols);
 
 }  // namespace mm

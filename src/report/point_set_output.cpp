@@ -212,10 +212,13 @@ std::string pointSetText(const PointSet& set) {
   const std::string assumed = assumedText(session);
   std::string notes = assumed.empty() ? assumed : assumed + "\n";
   for (const std::string& line : setAsideLines(session)) notes += line + "\n";
+  for (const StandardTest& test : standardTests(session)) notes += test.inWords + "\n";
   return first +
-         format("%lld contacts, %lld references in %.4g s; noise %.3g um, %s\n",
-                static_cast<long long>(set.contacts), static_cast<long long>(set.references), set.duration,
-                set.noise / kMicrometre, set.noiseDeclared ? "declared" : "assumed for the figures below") +
+         format("%lld contacts, %lld references", static_cast<long long>(set.contacts),
+                static_cast<long long>(set.references)) +
+         (set.duration > 0.0 ? format(" in %.4g s", set.duration) : "") +
+         format("; noise %.3g um, %s\n", set.noise / kMicrometre,
+                set.noiseDeclared ? "declared" : "assumed for the figures below") +
          notes + featuresText(set) + jointsText(set) + inputsText(set) + separationsText(set) +
          doubtsText(set) + modelText(set) + adviceText(set) + hiddenText(set);
 }
@@ -231,7 +234,7 @@ Json pointSetObject(const PointSet& set) {
                       {"joints", jsonList(set.joints, jointCoverageJson)},
                       {"logged", jsonList(set.inputs, inputCoverageJson)}},
                      set.hasModel ? determinedJson(set) : Json(),
-                     {{"doubts", set.doubts}},
+                     {{"doubts", set.doubts}, {"tests", testsJson(standardTests(set.problem->session()))}},
                      sessionNotes(set.problem->session(), set.questions),
                      set.hasModel ? adviceJson(set) : Json(),
                      {{"separates", jsonList(set.separations, separationJson)},

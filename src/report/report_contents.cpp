@@ -1,8 +1,11 @@
 #include "report/report_contents.h"
 
+#include <algorithm>
+
 #include "base/error.h"
 #include "base/utc_now.h"
 #include "model/model_spec.h"
+#include "report/text_parts.h"
 #include "workflow/learning.h"
 
 namespace mm {
@@ -31,19 +34,48 @@ void addFits(ReportContents& report, const Session& session, const ReportOptions
   }
 }
 
+/// What a page has of every session, with a calibration or without.
+ReportContents begun(const Session& session, const ReportOptions& options) {
+  ReportContents report;
+  report.session = &session;
+  report.sessionPath = options.sessionPath;
+  report.created = options.created.empty() ? utcNow() : options.created;
+  report.serial = options.serial;
+  report.operatorName = options.operatorName;
+  report.curves = options.curves;
+  report.tests = standardTests(session);
+  return report;
+}
+
+/// The tests of the standards and the residuals, of the fit that is the diagnosis' base.
+void addTests(ReportContents& report) {
+  const CalibrationResult& base = report.diagnosis.base;
+  const Session& session = *report.session;
+  const ResidualOf left = residualsOf(base);
+  report.variables =
+      residualsByVariable(base, report.improved ? &*report.improved : nullptr, report.diagnosis.where);
+  report.positioning = axisPositioning(base);
+  report.circles = circleTests(base);
+  report.features = foundFeatures(base);
+  report.thermal = thermalReport(base);
+  report.diagonals = diagonalTests(session, left);
+  report.lengths = lengthTests(session, left);
+  const std::vector<RotationTest> remaining = rotationTests(session, left);
+  for (RotationTest& test : rotationTests(session)) {
+    const auto same = std::find_if(remaining.begin(), remaining.end(), [&](const RotationTest& r) {
+      return r.joint == test.joint && r.setup == test.setup;
+    });
+    report.rotations.push_back({std::move(test), same != remaining.end() ? *same : RotationTest{}});
+  }
+}
+
 }  // namespace
 
 ReportContents makeReport(const Session& session, const Calibration& calibration,
                           const ReportOptions& options) {
-  ReportContents report;
-  report.session = &session;
-  report.sessionPath = options.sessionPath;
+  ReportContents report = begun(session, options);
   report.calibrationPath = options.calibrationPath;
-  report.created = options.created.empty() ? utcNow() : options.created;
-  report.serial = options.serial;
-  report.operatorName = options.operatorName;
   report.calibration = calibration;
-  report.curves = options.curves;
   report.diagnosis = diagnoseCalibration(session, calibration, options.diagnose);
   ModelSpec model;
   model.machine = calibration.machineName;
@@ -51,18 +83,29 @@ ReportContents makeReport(const Session& session, const Calibration& calibration
   report.pointSet = checkPointSet(session, &model);
   if (!report.diagnosis.base.problem) return report;
   addFits(report, session, options);
+  addTests(report);
   const CalibrationResult& base = report.diagnosis.base;
-  report.variables =
-      residualsByVariable(base, report.improved ? &*report.improved : nullptr, report.diagnosis.where);
   std::vector<NamedFit> fits = {{"this calibration", &base}};
   if (report.nominal) fits.push_back({"nominal machine", &*report.nominal});
   if (report.improved) fits.push_back({"with the named effects", &*report.improved});
   report.vectors = residualVectors(fits);
-  report.positioning = axisPositioning(base);
-  report.circles = circleTests(base);
   report.profiles = addedProfiles(base);
-  report.features = foundFeatures(base);
-  report.thermal = thermalTest(base);
+  return report;
+}
+
+ReportContents makeReport(const Session& session, const ReportOptions& options) {
+  ReportContents report = begun(session, options);
+  report.calibration.machineName = session.machine.name();
+  CalibrateOptions fit = options.diagnose.calibrate;
+  fit.method = Method::kLeastSquares;
+  fit.rejectOutliers = false;
+  report.diagnosis.base = calibrate(session, modelFor(session, {}), fit);
+  const CalibrationResult& base = report.diagnosis.base;
+  report.diagnosis.where = whereItFails(base);
+  report.diagnosis.angular = angularOnly(base);
+  report.pointSet = checkPointSet(session, nullptr);
+  addTests(report);
+  report.vectors = residualVectors({{"the machine as it is", &base}});
   return report;
 }
 

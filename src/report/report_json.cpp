@@ -23,9 +23,6 @@
 namespace mm {
 namespace {
 
-constexpr double kHourStep = 1e-5;         // h: 0.04 s
-constexpr double kTemperatureStep = 1e-4;  // degC: below the noise of any sensor
-
 /// Five digits of the largest value.
 double stepOf(const std::vector<double>& values) {
   double most = 0.0;
@@ -66,6 +63,10 @@ Json figures(const ReportContents& r) {
   Json out = Json::array();
   if (!r.diagnosis.base.problem) return out;
   const CalibrationResult& base = r.diagnosis.base;
+  if (!r.calibrated()) {
+    out.push_back(namedFigures("The machine as it is", "no effect in the model", &base, base.figures));
+    return out;
+  }
   out.push_back(namedFigures("Nominal machine", "no effect in the model", r.nominal ? &*r.nominal : nullptr,
                              r.nominal ? r.nominal->figures : base.before));
   if (r.held)
@@ -156,31 +157,6 @@ Json measuredJson(const ReportContents& r) {
   return utcText(r.session->epoch);
 }
 
-Json thermalJson(const ThermalTest& test) {
-  const auto course = [](const ThermalCourse& c) -> Json {
-    return {{"at", rounded(c.at, kPlaceStep)},
-            {"hours", roundedList(c.hours, kHourStep)},
-            {"measured", roundedList(c.measured, kDeviationStep)},
-            {"left", roundedList(c.left, kDeviationStep)},
-            {"measured_range", rounded(c.measuredRange, kFigureStep)},
-            {"left_range", rounded(c.leftRange, kFigureStep)}};
-  };
-  const auto axis = [&](const AxisThermal& a) -> Json {
-    return {{"axis", a.axis},
-            {"unit", nameOfUnit(a.rotary)},
-            {"position_unit", a.rotary ? "deg" : "mm"},
-            {"measured_range", rounded(a.measuredRange, kFigureStep)},
-            {"left_range", rounded(a.leftRange, kFigureStep)},
-            {"courses", jsonList(a.courses, course)}};
-  };
-  const auto temperature = [](const TemperatureCourse& c) -> Json {
-    return {{"sensor", c.sensor},
-            {"hours", roundedList(c.hours, kHourStep)},
-            {"temperature", roundedList(c.temperature, kTemperatureStep)}};
-  };
-  return {{"axes", jsonList(test.axes, axis)}, {"temperatures", jsonList(test.temperatures, temperature)}};
-}
-
 /// What each thermal_network of the model learned, in words.
 Json networkSummaries(const Model& model) {
   Json out = Json::array();
@@ -247,6 +223,20 @@ Json addedProfileJson(const AddedProfile& p) {
           {"y", roundedList(p.y, stepOf(p.y))}};
 }
 
+/// What there is without a diagnosis: the residuals' noise, and where the nominal machine fails.
+Json nothingDiagnosed(const Diagnosis& d) {
+  return jsonObject({diagnosisJson(d), {{"verdict", nullptr}, {"sentence", nullptr}}});
+}
+
+Json rotationsJson(const ReportContents& r) {
+  return jsonList(r.rotations, [](const RotationPair& p) -> Json {
+    return {{"joint", p.measured.joint},
+            {"setup", p.measured.setup},
+            {"measured", rotationJson(p.measured)},
+            {"left", rotationJson(p.left)}};
+  });
+}
+
 Json curveJson(const ConvergenceCurve& c) {
   return {{"name", c.name}, {"unit", nameOfUnit(c.angular)}, {"generation", c.generation}, {"rms", c.rms}};
 }
@@ -266,6 +256,10 @@ std::string reportTitle(const ReportContents& r) {
   if (std::isfinite(lower))
     title += upper - lower < 0.05 ? format(", %.1f °C", lower) : format(", %.1f to %.1f °C", lower, upper);
   return title;
+}
+
+std::string reportSentence(const ReportContents& r) {
+  return r.calibrated() ? r.diagnosis.sentence : "The machine as it is, without a calibration.";
 }
 
 Json parametersJson(const Calibration& c) {
@@ -300,7 +294,9 @@ std::string reportJson(const ReportContents& r) {
   return jsonLine({{"title", reportTitle(r)},
                    {"session", r.sessionPath},
                    {"session_warning", r.session->warning},
-                   {"calibration", r.calibrationPath},
+                   {"calibration", orNull(r.calibrated(), r.calibrationPath)},
+                   {"sentence", reportSentence(r)},
+                   {"tests", testsJson(r.tests)},
                    {"calibration_id", c.id},
                    {"calibrated", c.created},
                    {"same_session", compared ? Json(c.sessionHash == sessionHash(*r.session)) : Json()},
@@ -316,16 +312,19 @@ std::string reportJson(const ReportContents& r) {
                    {"left_out", fitted ? base.problem->leftOut().size() : 0},
                    {"unit", nameOfUnit(angular)},
                    {"noise", orNull(fitted, base.repeatability / unitOf(angular))},
-                   {"command", addCommand(d, r.sessionPath, r.calibrationPath)},
-                   {"moves_command", movesCommand(r.sessionPath, r.calibrationPath)},
+                   {"command", orNull(r.calibrated(), addCommand(d, r.sessionPath, r.calibrationPath))},
+                   {"moves_command", orNull(r.calibrated(), movesCommand(r.sessionPath, r.calibrationPath))},
                    {"figures", figures(r)},
-                   {"diagnosis", diagnosisJson(d)},
+                   {"diagnosis", r.calibrated() ? diagnosisJson(d) : nothingDiagnosed(d)},
                    {"variables", jsonList(r.variables, variableJson)},
                    {"vectors", vectorsJson(r.vectors, *r.session)},
                    {"positioning", positioningJson(r.positioning)},
                    {"circles", circlesJson(r.circles)},
+                   {"diagonals", diagonalsJson(r.diagonals)},
+                   {"rotations", rotationsJson(r)},
+                   {"lengths", lengthsJson(r.lengths)},
                    {"features", foundJson(r)},
-                   {"thermal", thermalJson(r.thermal)},
+                   {"thermal", thermalJson(r.thermal, r.session->machine)},
                    {"networks", fitted ? networkSummaries(base.problem->model()) : Json::array()},
                    {"ledger", ledgerJson(c.ledger, angular, symbolsOf(c))},
                    {"parameters", parametersJson(c)},

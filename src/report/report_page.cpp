@@ -100,8 +100,10 @@ std::string reportPage(const ReportContents& report, const ReportFiles& files) {
   const std::vector<std::pair<std::string, std::string>> marks = {
       {"{{title}}", escapedHtml(reportTitle(report))},
       {"{{style}}", files.css},
-      {"{{sentence}}", escapedHtml(report.diagnosis.sentence)},
-      {"{{command}}", escapedHtml(addCommand(report.diagnosis, report.sessionPath, report.calibrationPath))},
+      {"{{sentence}}", escapedHtml(reportSentence(report))},
+      {"{{command}}", escapedHtml(report.calibrated() ? addCommand(report.diagnosis, report.sessionPath,
+                                                                   report.calibrationPath)
+                                                      : std::string())},
       {"{{data}}", escapedForScript(reportJson(report))},
       {"{{plotly}}", files.plotly},
       {"{{script}}", files.js}};

@@ -5,25 +5,12 @@
 #include <cmath>
 
 #include "base/units.h"
+#include "estimation/residual_vector.h"
 
 namespace mm {
 namespace {
 
 constexpr std::size_t kPlaces = 3000;
-
-/// From where the target should be to where the machine found it (m, workpiece).
-Eigen::Vector3d vectorOf(const CalibrationResult& fit, int observation, const Eigen::Vector3d& normal,
-                         int outward) {
-  const int first = fit.problem->firstRow(observation), last = fit.problem->firstRow(observation + 1);
-  const Observation& o = fit.problem->session().observations[static_cast<std::size_t>(observation)];
-  if (outward != 0) return outward * normal * fit.residuals[first];
-  Eigen::Vector3d vector = Eigen::Vector3d::Zero();
-  for (int row = first; row < last; ++row)
-    vector[fit.problem->rows()[static_cast<std::size_t>(row)].component] = fit.residuals[row];
-  if (o.kind != ObservationKind::kPosition) return vector;
-  // measured minus model, in the artifact's frame
-  return -(fit.problem->artifactRotation(o.placement, fit.x) * vector);
-}
 
 bool spatial(const std::vector<ResidualVectors::Place>& places) {
   if (places.size() < 3) return false;
@@ -77,7 +64,7 @@ ResidualVectors residualVectors(const std::vector<NamedFit>& fits) {
     std::size_t s = 0;
     for (const NamedFit& f : fits) {
       if (f.fit->problem->rowCount() != problem.rowCount()) continue;
-      const Eigen::Vector3d vector = vectorOf(*f.fit, observation, normal, outward) / kMicrometre;
+      const Eigen::Vector3d vector = residualVector(*f.fit, observation, normal) / kMicrometre;
       out.states[s].vectors.push_back(vector);
       out.states[s].values.push_back(distance ? vector.dot(normal) : vector.norm());
       ++s;

@@ -108,15 +108,16 @@ std::string zerosText(const CalibrationResult& r) {
                       : "Zeros of the instrument, fitted with the model: deviations count from them\n" + text;
 }
 
-std::string noiseText(const CalibrationResult& r) {
-  const bool angular = angularOnly(r);
+std::string repeatabilityText(const CalibrationResult& r) {
   const std::string from = r.repeatabilityFrom == "declared"   ? "declared"
                            : r.repeatabilityFrom == "repeated" ? r.repeated.inWords
                                                                : "estimated from the residuals";
   const bool exact = r.repeatabilityFrom == "estimated" && r.figures.degreesOfFreedom == 0;
-  std::string text =
-      "  Repeatability  " +
-      (exact ? "not known: degrees of freedom 0" : length(r.repeatability, angular) + ", " + from) + "\n";
+  return exact ? "not known: degrees of freedom 0" : length(r.repeatability, angularOnly(r)) + ", " + from;
+}
+
+std::string noiseText(const CalibrationResult& r) {
+  std::string text = "  Repeatability  " + repeatabilityText(r) + "\n";
   if (r.repeatabilityFrom != "estimated")
     text += format("  chi2 / dof     %.4g (1: only noise is left)\n", r.figures.chi2PerDof);
   if (r.centresStd > 0.0 || r.radiiStd > 0.0) {
@@ -229,21 +230,28 @@ std::string calibrateText(const CalibrationResult& r) {
 }
 
 std::string nextText(const CalibrationResult& r, const std::string& session, const std::string& calibration) {
-  constexpr double kMore = 1.5;  // times what may be left, or held out more than fitted
   const bool angular = angularOnly(r);
   const double rms = angular ? r.figures.rmsAngular : r.figures.rms;
   const double held = angular ? r.figures.heldOutRmsAngular : r.figures.heldOutRms;
-  const double left = r.repeatabilityFrom == "estimated" ? 0.0 : std::sqrt(r.figures.chi2PerDof);
+  const double left = timesRepeatability(r.repeatabilityFrom, r.figures.chi2PerDof);
   std::string why;
-  if (left > kMore)
+  if (left > kLeavesMore)
     why = format("The model leaves %.*f times the repeatability", left < 10.0 ? 1 : 0, left);
-  else if (held > kMore * rms)
+  else if (held > kLeavesMore * rms)
     why = format("Held out, the model leaves %.1f times what it leaves where it was fitted", held / rms);
   const std::string typed = diagnoseCommand(session, calibration.empty() ? "c.yaml" : calibration) +
                             (calibration.empty() ? ", once it is written with -o c.yaml," : "");
   return (why.empty() ? "Next: " + typed + " says whether the model lacks anything"
                       : why + ": " + typed + " says what it lacks") +
          "\n";
+}
+
+std::string errorText(const CalibrationResult& r, double before) {
+  const bool angular = angularOnly(r);
+  const ResidualFigures& f = r.figures;
+  return "RMS " + length(before, angular) + " -> " + length(angular ? f.rmsAngular : f.rms, angular) +
+         ", held out " + length(angular ? f.heldOutRmsAngular : f.heldOutRms, angular) + "; repeatability " +
+         repeatabilityText(r);
 }
 
 std::string compareText(const CalibrationResult& c, const std::vector<WhereItFails>& where) {

@@ -16,6 +16,10 @@ std::string calibrateText(const CalibrationResult& result);
 /// @param session, calibration paths; the calibration empty: it was not written.
 std::string nextText(const CalibrationResult& result, const std::string& session,
                      const std::string& calibration);
+/// In a line: RMS before (m, or rad of an angular session) and after, held out, and the repeatability.
+std::string errorText(const CalibrationResult& result, double before);
+/// In a line: RMS, and the noise that a diagnosis found in it; empty where no fit was made.
+std::string errorText(const Diagnosis& diagnosis);
 /// Size of the residuals, and where the model fails.
 std::string compareText(const CalibrationResult& compared, const std::vector<WhereItFails>& where);
 /// Verdict in a sentence, where it fails, what is missing with cause and remedy, and what to type next.

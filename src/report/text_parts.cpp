@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/quantity_words.h"
 #include "base/units.h"
 #include "report/quantiles.h"
 
@@ -10,7 +11,8 @@ namespace mm {
 
 std::string length(double value, bool angular) {
   if (!std::isfinite(value)) return "-";
-  return format("%.4g %s", value / (angular ? kArcsecond : kMicrometre), angular ? "arcsec" : "um");
+  const std::string said = errorInWords(value, angular);
+  return said.front() == '<' ? said : format("%.4g ", value / unitOf(angular)) + nameOfUnit(angular);
 }
 
 std::string withUncertainty(double value, double std, const std::string& unit) {
@@ -72,6 +74,10 @@ std::string whereText(const std::vector<WhereItFails>& where) {
   if (text.empty()) return "Where it fails: no variable explains the residuals.\n";
   return "Where it fails: share of the residual variance\n  " + padded("", 26) + padded("alone", 24) +
          "in addition to those above\n" + text;
+}
+
+double timesRepeatability(const std::string& repeatabilityFrom, double chi2PerDof) {
+  return repeatabilityFrom == "estimated" ? 0.0 : std::sqrt(chi2PerDof);
 }
 
 bool angularOnly(const CalibrationResult& result) {

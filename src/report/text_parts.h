@@ -33,6 +33,9 @@ std::string addCommand(const Diagnosis& diagnosis, const std::string& session,
 std::string diagnoseCommand(const std::string& session, const std::string& calibration);
 /// The line that writes the proposed moves as a plan.
 std::string movesCommand(const std::string& session, const std::string& calibration);
+/// RMS of what a model leaves over the repeatability, where that was declared or found by repeats; else 0.
+double timesRepeatability(const std::string& repeatabilityFrom, double chi2PerDof);
+inline constexpr double kLeavesMore = 1.5;  // times: the model does not describe everything
 bool angularOnly(const CalibrationResult& result);
 bool angularOnly(const Calibration& calibration);
 

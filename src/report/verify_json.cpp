@@ -4,6 +4,7 @@
 
 #include "base/format.h"
 #include "base/quantity_words.h"
+#include "base/text.h"
 #include "base/units.h"
 #include "effects/effect_words.h"
 #include "report/json_parts.h"
@@ -57,13 +58,14 @@ Json changedJson(const ChangedEffect& changed) {
           {"p_value", changed.pValue}};
 }
 
+std::string shareInWords(const RemainingShare& share) {
+  return share.std < 0.25 ? expanded(100.0 * share.remaining, 100.0 * share.std, "%") + ", " + share.inWords
+                          : share.inWords;
+}
+
 std::string shareLine(const std::string& name, const RemainingShare& share, const Verification& v) {
-  return format(
-      "  %-44s %10s %-7s %s\n", name.c_str(), shortNumber(share.size * perUnit(v)).c_str(),
-      nameOfUnit(v.angular).c_str(),
-      (share.std < 0.25 ? expanded(100.0 * share.remaining, 100.0 * share.std, "%") + ", " + share.inWords
-                        : share.inWords)
-          .c_str());
+  return format("  %-44s %10s %-7s %s\n", name.c_str(), shortNumber(share.size * perUnit(v)).c_str(),
+                nameOfUnit(v.angular).c_str(), shareInWords(share).c_str());
 }
 
 }  // namespace
@@ -105,6 +107,14 @@ std::string verifyJson(const Verification& v) {
                    {"unexplained_p_value", v.unexplainedPValue},
                    {"not_excluded", jsonList(v.rivals, rival)},
                    {"outliers", jsonList(v.outliers, outlier)}}}));
+}
+
+std::string axesText(const Verification& v) {
+  std::vector<std::string> axes;
+  for (const RemainingOfAxis& axis : v.axes)
+    axes.push_back(axis.axis + " (" + shortNumber(axis.size * perUnit(v)) + " " + nameOfUnit(v.angular) +
+                   " uncorrected): " + shareInWords(axis));
+  return axes.empty() ? "" : "remains of " + joined(axes, "; of ");
 }
 
 std::string verifyText(const Verification& v) {

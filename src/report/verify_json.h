@@ -10,5 +10,7 @@ namespace mm {
 std::string verifyJson(const Verification& verification);
 /// The same for people: the sentence, then a table by axis and by effect.
 std::string verifyText(const Verification& verification);
+/// The table's lines of the axes as one line, for the service.
+std::string axesText(const Verification& verification);
 
 }  // namespace mm

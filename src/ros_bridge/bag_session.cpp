@@ -65,6 +65,11 @@ class SessionWriter {
       compensation.data = compensationJson(session_.compensation);
       bag_.write(kCompensationTopic, start, compensation, true);
     }
+    if (!session_.timesAssumed.empty()) {
+      std_msgs::String how;
+      how.data = session_.timesAssumed;
+      bag_.write(kTimesAssumedTopic, start, how, true);
+    }
     if (!session_.rowFile.empty()) {
       std_msgs::String file;
       file.data = session_.rowFile;

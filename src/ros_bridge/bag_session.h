@@ -14,6 +14,9 @@ inline const std::string kTemperatureTopics = "/temperature/", kCovariateTopics 
 /// Latched std_msgs/String, compensationJson: what the controller compensated while it measured.
 inline const std::string kCompensationTopic = "/controller_compensation";
 
+/// Latched std_msgs/String, Session::timesAssumed: the stamps tell the order of the rows alone.
+inline const std::string kTimesAssumedTopic = "/times_assumed";
+
 /// Which of several machines in one bag: the namespace that its topics stand in ("" or "/": none).
 struct BagNamespace {
   std::string name;
@@ -21,17 +24,16 @@ struct BagNamespace {
 };
 
 /// Reads a session from a bag: /probe/contact, /reference, `/temperature/<sensor>`, `/covariate/<name>`,
-/// /joint_states, /artifact, /robot_description and /controller_compensation; other topics are left alone.
-/// Contacts are sorted by their header's stamp; t = 0 is the stamp of /artifact (else the earliest of these
-/// topics; see SessionCollector). Of an imported session /imported_from names the CSV, and the headers' `seq`
-/// count its lines. Directions of travel that were recorded nowhere are assumed (see assumeTravel). A
-/// truncated or unindexed bag is read up to the damage, and `Session::warning` says so. @param fallback the
-/// machine of a bag without /robot_description; may be null.
-/// All topics may stand in one namespace (/machine1/probe/contact); where several hold a session, `where`
-/// chooses.
-/// A contact, reference or logged value that is wrong is set aside by its topic and number, and the session
-/// is the rest. @throw InputError when it is no bag, holds no session (names the topics found), holds several
-/// and none is chosen, or a topic has another type.
+/// /joint_states, /artifact, /robot_description, /controller_compensation and /times_assumed; other topics
+/// are left alone. Contacts are sorted by their header's stamp; t = 0 is the stamp of /artifact (else the
+/// earliest of these topics; see SessionCollector). Of an imported session /imported_from names the CSV, and
+/// the headers' `seq` count its lines. Directions of travel that were recorded nowhere are assumed (see
+/// assumeTravel). A truncated or unindexed bag is read up to the damage, and `Session::warning` says so.
+/// @param fallback the machine of a bag without /robot_description; may be null. All topics may stand in one
+/// namespace (/machine1/probe/contact); where several hold a session, `where` chooses. A contact, reference
+/// or logged value that is wrong is set aside by its topic and number, and the session is the rest. @throw
+/// InputError when it is no bag, holds no session (names the topics found), holds several and none is chosen,
+/// or a topic has another type.
 Session readSessionBag(const std::filesystem::path& file, const ProgressCallback& progress = {},
                        const Machine* fallback = nullptr, const BagNamespace& where = {});
 

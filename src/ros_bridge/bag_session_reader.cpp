@@ -84,8 +84,9 @@ SessionTopic splitTopic(const BagConnection& connection) {
     const std::string driver = full.substr(0, full.rfind('/'));
     return {driver.substr(0, std::max<std::size_t>(driver.rfind('/') + 1, 1) - 1), kStatus};
   }
-  for (const char* name : {"/probe/contact", "/reference", "/joint_states", "/artifact", "/robot_description",
-                           "/imported_from", "/measure/measured", kCompensationTopic.c_str()}) {
+  for (const char* name :
+       {"/probe/contact", "/reference", "/joint_states", "/artifact", "/robot_description", "/imported_from",
+        "/measure/measured", kCompensationTopic.c_str(), kTimesAssumedTopic.c_str()}) {
     const std::string end = name;
     if (full.size() >= end.size() && full.compare(full.size() - end.size(), end.size(), end) == 0)
       return {full.substr(0, full.size() - end.size()), end};
@@ -165,6 +166,8 @@ class NamespacedSessions {
       session.addRobotDescription(decode<std_msgs::String>(raw, source_).data);
     else if (topic == kCompensationTopic)
       session.addCompensation(decode<std_msgs::String>(raw, source_).data);
+    else if (topic == kTimesAssumedTopic)
+      session.addTimesAssumed(decode<std_msgs::String>(raw, source_).data);
     else if (topic == "/imported_from")
       session.addImportedFrom(decode<std_msgs::String>(raw, source_).data);
     else if (topic == "/measure/measured")

@@ -1,5 +1,6 @@
 #include "ros_bridge/node_support.h"
 
+#include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/console.h>
 #include <ros/init.h>
 #include <ros/this_node.h>
@@ -12,6 +13,7 @@
 #include "calibration_file/calibration_fit.h"
 #include "calibration_file/calibration_store.h"
 #include "machine/machine_fit.h"
+#include "ros_bridge/ending.h"
 #include "ros_bridge/master_watch.h"
 
 namespace mm {
@@ -19,6 +21,43 @@ namespace {
 
 [[noreturn]] void wrongType(const ros::NodeHandle& node, const std::string& name, const std::string& needed) {
   throw InputError("parameter '" + node.resolveName(name) + "' is not " + needed);
+}
+
+/// Whether roslaunch starts the node again when it ends: parameter `respawn`, looked for upwards.
+bool comesUpAgain(const ros::NodeHandle& own) {
+  std::string name;
+  bool respawn = false;
+  return own.searchParam("respawn", name) && own.getParam(name, respawn) && respawn;
+}
+
+/// What the node was started with: its own parameters and the machine.
+std::string parametersNow(const ros::NodeHandle& own) {
+  std::string text, key;
+  XmlRpc::XmlRpcValue value;
+  if (own.getParam(own.getNamespace(), value)) text = value.toXml();
+  for (const char* const name : {"robot_description", "serial"})
+    if (own.searchParam(name, key) && own.getParam(key, value)) text += value.toXml();
+  return text;
+}
+
+/// Started again with the same parameters the node would fail again, for ever: it stays, in error on
+/// /diagnostics, until they change or it is ended.
+void waitForOtherParameters(const std::string& wrong) {
+  const ros::WallDuration kBetween(1.0);  // between looks
+  ros::NodeHandle node, own("~");
+  ROS_FATAL(
+      "%s; the node starts again when its parameters change (rosparam set) or it is ended (rosnode kill)",
+      wrong.c_str());
+  diagnostic_updater::Updater updater(node, own, ros::this_node::getName());
+  updater.setHardwareID(ros::this_node::getName());
+  updater.add("parameters", [&](diagnostic_updater::DiagnosticStatusWrapper& status) {
+    status.summary(diagnostic_msgs::DiagnosticStatus::ERROR, wrong);
+  });
+  const std::string before = parametersNow(own);
+  while (ros::ok() && !endAsked() && parametersNow(own) == before) {
+    updater.force_update();
+    kBetween.sleep();
+  }
 }
 
 }  // namespace
@@ -124,8 +163,12 @@ int runNode(int argc, char** argv, const std::string& name, const std::function<
   try {
     work();
   } catch (const std::exception& e) {
-    ROS_FATAL("%s", e.what());
     status = 2;
+    const bool input = dynamic_cast<const InputError*>(&e) != nullptr;
+    if (input && comesUpAgain(ros::NodeHandle("~")))
+      waitForOtherParameters(e.what());
+    else
+      ROS_FATAL("%s", e.what());
   }
   ros::shutdown();
   return status;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/format.h"
+#include "estimation/residual_vector.h"
 
 namespace mm {
 namespace {
@@ -20,35 +21,29 @@ double roundLength(double scale) {
   return length;
 }
 
-/// Where an observation was, and its residual as a vector (m); zero where there is none in m.
-Eigen::Vector3d residualVector(const CalibrationResult& result, int observation, Eigen::Vector3d& at,
-                               bool& counts) {
+/// An arrow to draw: from where, m in workpiece.
+struct Arrow {
+  Eigen::Vector3d at, residual;
+  bool counts = true;  // not an outlier
+};
+
+Arrow arrowOf(const CalibrationResult& result, int observation) {
   const Problem& problem = *result.problem;
-  const Observation& o = problem.session().observations[static_cast<std::size_t>(observation)];
-  at = problem.state(observation).tip;
-  if (std::isfinite(o.laserReading)) at += problem.state(observation).orientation.col(2) * o.laserReading;
-  Eigen::Vector3d residual = Eigen::Vector3d::Zero();
-  Eigen::Vector3d outward = Eigen::Vector3d::Zero();
-  const int sign = problem.session().outward(o);
-  if (sign != 0) outward = (at - problem.featureInWorkpiece(o.feature, o.placement, result.x)).normalized();
-  const int end = observation + 1 < static_cast<int>(problem.session().observations.size())
-                      ? problem.firstRow(observation + 1)
-                      : problem.rowCount();
-  counts = true;
-  for (int row = problem.firstRow(observation); row < end; ++row) {
-    const ResidualRow& r = problem.rows()[static_cast<std::size_t>(row)];
-    counts = counts && result.weight[row] > 0.0;
-    if (r.angular) continue;
-    if (sign != 0)
-      residual = sign * result.residuals[row] * outward;
-    else if (o.kind == ObservationKind::kDeviation)
-      residual +=
-          result.residuals[row] *
-          problem.session().machine.jacobian(o.position.data(), 0.0).col(r.component).head<3>().normalized();
-    else
-      residual[r.component] = result.residuals[row];
-  }
-  return residual;
+  const Session& session = problem.session();
+  const Observation& o = session.observations[static_cast<std::size_t>(observation)];
+  const bool laser = std::isfinite(o.laserReading);
+  Arrow arrow;
+  arrow.at = problem.state(observation).tip;
+  if (laser) arrow.at += problem.state(observation).orientation.col(2) * o.laserReading;
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  if (session.outward(o) != 0)
+    normal = (arrow.at - problem.featureInWorkpiece(o.feature, o.placement, result.x)).normalized();
+  arrow.residual = residualVector(result, observation, normal);
+  if (o.kind == ObservationKind::kContact && !laser)
+    arrow.at -= session.artifact.tipRadiusOf(o.stylus) * normal;
+  for (int row = problem.firstRow(observation); row < problem.firstRow(observation + 1); ++row)
+    arrow.counts = arrow.counts && result.weight[row] > 0.0;
+  return arrow;
 }
 
 /// A bar of a round length beside the arrows, and what it stands for.
@@ -113,17 +108,16 @@ visualization_msgs::MarkerArray residualMarkers(const CalibrationResult& result,
   const Problem& problem = *result.problem;
   for (int i = 0; i < static_cast<int>(problem.session().observations.size()); ++i) {
     if (!problem.uses(i)) continue;
-    Eigen::Vector3d at;
-    bool counts = true;
-    const Eigen::Vector3d residual = residualVector(result, i, at, counts);
-    if (!at.allFinite() || !residual.allFinite()) continue;
-    const std_msgs::ColorRGBA shade = counts ? colourOf(0.1, 0.6, 1.0, 1.0) : colourOf(1.0, 0.1, 0.1, 1.0);
-    top = top.cwiseMax(at);
-    arrows.points.push_back(tf2::toMsg(at));
-    arrows.points.push_back(tf2::toMsg(Eigen::Vector3d(at + scale * residual)));
+    const Arrow arrow = arrowOf(result, i);
+    if (!arrow.at.allFinite() || !arrow.residual.allFinite()) continue;
+    const std_msgs::ColorRGBA shade =
+        arrow.counts ? colourOf(0.1, 0.6, 1.0, 1.0) : colourOf(1.0, 0.1, 0.1, 1.0);
+    top = top.cwiseMax(arrow.at);
+    arrows.points.push_back(tf2::toMsg(arrow.at));
+    arrows.points.push_back(tf2::toMsg(Eigen::Vector3d(arrow.at + scale * arrow.residual)));
     arrows.colors.push_back(shade);
     arrows.colors.push_back(shade);
-    dots.points.push_back(tf2::toMsg(at));
+    dots.points.push_back(tf2::toMsg(arrow.at));
     dots.colors.push_back(shade);
   }
   if (!arrows.points.empty()) {

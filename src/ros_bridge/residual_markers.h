@@ -15,10 +15,11 @@ visualization_msgs::Marker markerIn(const std::string& frame, const std::string&
 visualization_msgs::Marker wordsIn(const std::string& frame, const std::string& name,
                                    const std::string& text);
 
-/// Residuals for rviz: an arrow at every contact, balls where the calibration found them, contacts as dots,
-/// outliers in red; a bar says what the arrows
-/// stand for. @param scale length of an arrow over its residual;
-/// 0: such that a residual of the size of the RMS is 2 mm long. @param frame of the workpiece.
+/// Residuals for rviz: at every contact, position and deviation an arrow from where it is to where the
+/// machine found it (residualVector), as in the report; balls where the calibration found them, a dot where
+/// each arrow begins, outliers in red; a bar says what the arrows stand for. @param scale length of an arrow
+/// over its residual; 0: such that a residual of the size of the RMS is 2 mm long. @param frame of the
+/// workpiece.
 visualization_msgs::MarkerArray residualMarkers(const CalibrationResult& result, double scale,
                                                 const std::string& frame);
 

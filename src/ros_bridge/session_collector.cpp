@@ -323,6 +323,7 @@ Session SessionCollector::build() const {
   Session session(*machine_);
   session.source = source_;
   session.compensation = compensation_;
+  session.timesAssumed = timesAssumed_;
   if (artifact_) session.artifact = *artifact_;
   std::vector<int> features, styli;
   std::vector<std::string> names, stylusNames;

@@ -32,6 +32,8 @@ class SessionCollector {
   }
   /// What the controller compensates, as compensationJson; the last one counts.
   void addCompensation(const std::string& json) { compensation_ = parseCompensation(json, source_); }
+  /// Session::timesAssumed.
+  void addTimesAssumed(const std::string& how) { timesAssumed_ = how; }
   /// The last one counts; without a stamp it is announced once more, and the session began when it began.
   void addArtifact(const measuring_machine::Artifact& message);
   void addContact(const measuring_machine::ProbeContact& message);
@@ -120,6 +122,7 @@ class SessionCollector {
 
   std::string source_, importedFrom_;
   ControllerCompensation compensation_;
+  std::string timesAssumed_;
   std::optional<Machine> machine_;
   std::optional<Artifact> artifact_;
   std::vector<std::variant<measuring_machine::ProbeContact, measuring_machine::ReferenceMeasurement>>

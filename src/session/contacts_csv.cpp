@@ -181,6 +181,23 @@ class TableReader {
     }
   }
 
+  /// What no row can have is said once.
+  template <typename Has>
+  void checkMeasured(const Has& has) const {
+    if (has({CsvRole::kFeature})) return;
+    if (has({CsvRole::kLength}))
+      fail(
+          "column 'feature' is missing: it names the point of the artifact file from which 'length_mm' was "
+          "measured");
+    if (!has({CsvRole::kReference, CsvRole::kDeviation, CsvRole::kMeasured}))
+      fail(
+          "no column holds a measurement; add 'feature' (balls that were touched), 'reference_x_mm' … (true "
+          "positions), 'deviation_" +
+          session_.machine.joints().front().name + "_" +
+          (session_.machine.joints().front().kind == JointKind::kLinear ? "um" : "arcsec") +
+          "' … (true minus indicated) or 'length_mm'");
+  }
+
   void readColumns(bool hasArtifact) {
     const auto has = [&](std::initializer_list<CsvRole> roles) {
       return std::any_of(form_.columns.begin(), form_.columns.end(), [&](const CsvColumn& c) {
@@ -189,11 +206,13 @@ class TableReader {
     };
     hasDate_ = has({CsvRole::kDate});
     hasTime_ = has({CsvRole::kTime}) || hasDate_;
+    if (!hasTime_) session_.timesAssumed = kTimesInOrder;
     hasPlacement_ = has({CsvRole::kPlacement});
     hasDeviation_ = has({CsvRole::kDeviation, CsvRole::kDeviationStd, CsvRole::kMeasured});
     if (!hasTime_ && states_ == nullptr && form_.own) fail("column 'time_s' is missing");
     if (has({CsvRole::kFeature}) && !hasArtifact && states_ == nullptr)
       fail("column 'feature' needs an artifact that says what the features are; give one with --artifact");
+    if (states_ == nullptr && form_.onlyFeature < 0) checkMeasured(has);
     ranges_.resize(form_.columns.size());
     zeroUnlessColumn_.assign(session_.machine.joints().size(), 0.0);
     for (const CsvColumn& c : form_.columns) {

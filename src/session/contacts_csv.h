@@ -52,8 +52,8 @@ struct TableReading {
 };
 
 /// Reads the rows of a table into a session that is prepared. Of a table that is not the package's own, rows
-/// without a column of times are a second apart, in their order, and cells `nan`, `n/a`, `-` and the like are
-/// not measured.
+/// without a column of times are in their order (Session::timesAssumed), and cells `nan`, `n/a`, `-` and the
+/// like are not measured.
 /// @param artifact null: sessions of an independent instrument only.
 /// @throw InputError naming file, line, column and remedy; InputFaults where there are several.
 TableReading readTable(const TextFile& file, const TableForm& form, const Machine& machine,

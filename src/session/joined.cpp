@@ -128,7 +128,7 @@ void takeSeries(std::vector<Series>& out, const std::vector<Series>& more, doubl
 /// What a session is, or is joined of.
 std::vector<Recording> partsOf(const Session& session) {
   if (!session.recordings.empty()) return session.recordings;
-  return {{session.source, sessionHash(session), session.rowFile, 0.0}};
+  return {{session.source, sessionHash(session), session.rowFile, 0.0, session.timesAssumed}};
 }
 
 /// In the order of time. @return begin of each, s from that of the first.

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "base/names_of.h"
 #include "base/nearest_name.h"
 #include "base/read_file.h"
@@ -15,6 +16,7 @@
 #include "session/artifact_file.h"
 #include "session/plan_builder.h"
 #include "session/plan_generators.h"
+#include "session/trial_block.h"
 
 namespace mm {
 namespace {
@@ -184,9 +186,14 @@ void readMove(const YAML::Node& node, const Plan& plan, PlanBuilder& builder) {
   const std::vector<int> sides = sidesOf(move, machine);
   const double wait = move.has("wait_s") ? move.number("wait_s", 1.0, 0.0, 1e6) : 0.0;
   const double speed = move.has("speed_mm_s") ? move.number("speed_mm_s", kMillimetre, 1e-3, 1e4) : 0.0;
-  if (move.has("reference") && move.has("feature"))
-    move.fail("reference", "and 'feature' exclude each other");
-  if (move.has("approach") && !move.has("feature")) move.fail("approach", "needs a 'feature' to touch");
+  const std::string what = move.has("reference") ? move.text("reference") : "";
+  const std::string setup = move.has("setup") ? move.text("setup") : "";
+  const bool length = what == "length";
+  if (length && !move.has("feature")) move.fail("reference", "is length: name the 'feature' it begins at");
+  if (!what.empty() && !length && move.has("feature"))
+    move.fail("reference", "and 'feature' exclude each other, unless it is length");
+  if (move.has("approach") && (length || !move.has("feature")))
+    move.fail("approach", "needs a 'feature' to touch");
   if (move.has("setup") && !move.has("reference")) move.fail("setup", "is for a 'reference'");
   if (move.has("feature")) {
     const int feature = plan.artifact.findFeature(move.text("feature"));
@@ -195,7 +202,10 @@ void readMove(const YAML::Node& node, const Plan& plan, PlanBuilder& builder) {
                 "'" + move.text("feature") + "' is not in the artifact '" + plan.artifact.name + "'");
     const Eigen::Vector3d approach =
         move.has("approach") ? move.vector("approach", 1.0) : Eigen::Vector3d::Zero();
-    if (!plan.laser) {
+    if (length) {
+      builder.comeFrom(sides, position);
+      builder.length(feature, position, speed, wait, setup);
+    } else if (!plan.laser) {
       builder.touchFrom(feature, position, approach, speed > 0.0 ? speed : builder.approachSpeed, sides,
                         wait);
     } else {
@@ -208,11 +218,36 @@ void readMove(const YAML::Node& node, const Plan& plan, PlanBuilder& builder) {
   }
   builder.comeFrom(sides, position);
   if (!move.has("reference")) return builder.go(position, speed, wait);
-  const std::string what = move.text("reference"), setup = move.has("setup") ? move.text("setup") : "";
   if (what == "position") return builder.reference(MoveKind::kPosition, -1, position, speed, wait, setup);
   const int joint = machine.findJoint(what);
-  if (joint < 0) move.fail("reference", "is '" + what + "', but must be position or a joint of the machine");
+  if (joint < 0)
+    move.fail("reference", "is '" + what + "', but must be position, length or a joint of the machine");
   builder.reference(MoveKind::kDeviation, joint, position, speed, wait, setup);
+}
+
+constexpr int kDeepest = 8;  // lists in lists
+
+/// A list of moves, and of groups of moves that are made several times.
+void readMoves(const YamlMapping& of, const Plan& plan, PlanBuilder& builder, int depth) {
+  const YAML::Node list = of.node("moves");
+  if (!list.IsSequence() || list.size() == 0) of.fail("moves", "must be a list of one or more");
+  if (depth > kDeepest) of.fail("moves", "are in groups more than " + std::to_string(kDeepest) + " deep");
+  for (const YAML::Node& node : list) {
+    if (!node.IsMap() || !node["moves"]) {
+      readMove(node, plan, builder);
+      continue;
+    }
+    const YamlMapping group(node, plan.source, "a group of moves", {"moves", "repeats"});
+    const int repeats = group.has("repeats") ? group.count("repeats", 1) : 1;
+    // The first time the joints come from elsewhere; each time after the second is as the second.
+    std::size_t first = plan.moves.size();
+    for (int i = 0; i < std::min(2, repeats); ++i) {
+      first = plan.moves.size();
+      readMoves(group, plan, builder, depth + 1);
+    }
+    builder.at(group.line(), "a group of moves");
+    builder.again(first, std::max(0, repeats - 2));
+  }
 }
 
 }  // namespace
@@ -243,9 +278,7 @@ Plan Plan::parse(const std::string& yaml, const std::string& source, const std::
     if (key == "touch") everywhere(section, plan, styli, builder, expandTouch);
     if (key == "postures") everywhere(section, plan, styli, builder, expandPostures);
     if (key == "reference") expandReference(section, builder);
-    if (key != "moves") continue;
-    if (!section.IsSequence()) root.fail(key, "must be a list");
-    for (const YAML::Node& move : section) readMove(move, plan, builder);
+    if (key == "moves") readMoves(root, plan, builder, 1);
   }
   if (plan.measurements() == 0)
     throw InputError(source + ": the plan measures nothing; give touch, postures, reference or moves");
@@ -269,9 +302,13 @@ Eigen::Vector3d Plan::tipOf(const Machine& machine, const std::vector<double>& r
 }
 
 std::string Plan::standText(const PlanMove& move) const {
-  std::string text;
-  if (!placements.empty())
-    text = "placement '" + placements[static_cast<std::size_t>(move.placement)].name + "'";
+  std::string text, name;
+  if (!placements.empty()) name = placements[static_cast<std::size_t>(move.placement)].name;
+  if (const std::optional<TrialBlock> block = trialBlock(name)) {
+    text = format("state %c of the correction (block %d of %d)", block->state, block->number, block->of);
+    name = block->placement;
+  }
+  if (!name.empty()) text += (text.empty() ? "placement '" : ", placement '") + name + "'";
   if (artifact.styli.size() > 1)
     text += (text.empty() ? "" : ", ") +
             ("stylus '" + artifact.styli[static_cast<std::size_t>(move.stylus)].name) + "'";

@@ -15,18 +15,24 @@ enum class MoveKind {
   kLaser,      // goes there and reads the laser
   kDeviation,  // goes there and has an independent instrument measure the deviation of `joint`
   kPosition,   // goes there and has an independent instrument measure the position
+  kLength,     // goes there and has an independent instrument measure the length from `feature` to the tip
 };
+
+/// Whether an independent instrument measures it, not the machine's probe.
+inline bool byInstrument(MoveKind kind) {
+  return kind == MoveKind::kDeviation || kind == MoveKind::kPosition || kind == MoveKind::kLength;
+}
 
 /// One step of a measurement. SI units; readings one a joint.
 struct PlanMove {
   MoveKind kind = MoveKind::kGo;
   std::vector<double> position;
   std::vector<double> target;  // kTouch: where the approach ends if nothing was touched
-  int feature = -1;            // kTouch, kLaser: index in the artifact
+  int feature = -1;            // kTouch, kLaser, kLength: index in the artifact
   double speed = 0.0;          // m/s of the tip in the approach (kTouch); 0: the plan's rapid speed
   double wait = 0.0;           // s after arriving, before measuring
   int joint = -1;              // kDeviation
-  std::string setup;           // kDeviation: rows of one setup share an unknown zero; empty: known zero
+  std::string setup;           // by instrument: rows of one setup share an unknown zero; empty: known zero
   int placement = 0;           // index in Plan::placements
   int stylus = 0;              // index in the artifact's styli
   int line = 0;                // of the plan file
@@ -63,8 +69,8 @@ struct Plan {
   Eigen::Vector3d placeOf(int feature, int placement) const;
   /// Where the tip of a stylus is at those readings (m or rad) of the nominal machine: workpiece, m.
   Eigen::Vector3d tipOf(const Machine& machine, const std::vector<double>& readings, int stylus) const;
-  /// "placement turned, stylus B", what an operator is asked for before a move; empty: nothing but one of
-  /// each.
+  /// "placement turned, stylus B", "state A of the correction (block 3 of 10)", what an operator is asked for
+  /// before a move; empty: nothing but one of each.
   std::string standText(const PlanMove& move) const;
   /// How often each kind of measurement occurs: contacts, laser readings, references.
   int measurements() const;

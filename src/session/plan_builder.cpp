@@ -91,11 +91,15 @@ Eigen::Vector3d PlanBuilder::centre(int feature) const {
   return plan_.placeOf(feature, placement_);
 }
 
+void PlanBuilder::checkCount(std::size_t more) const {
+  if (plan_.moves.size() + more > kMostMoves)
+    fail("makes more than " + std::to_string(kMostMoves) + " moves; ask for fewer points, repeats or runs");
+}
+
 void PlanBuilder::append(PlanMove move) {
   checkLimits(move.position);
   if (move.kind == MoveKind::kTouch) checkLimits(move.target);
-  if (plan_.moves.size() >= kMostMoves)
-    fail("makes more than " + std::to_string(kMostMoves) + " moves; ask for fewer points, repeats or runs");
+  checkCount(1);
   move.line = line_;
   move.placement = placement_;
   move.stylus = stylus_;
@@ -191,6 +195,21 @@ void PlanBuilder::readLaser(int feature, const std::vector<double>& position, do
 void PlanBuilder::reference(MoveKind kind, int joint, const std::vector<double>& position, double speed,
                             double wait, const std::string& setup) {
   append({kind, position, {}, -1, speed, wait, joint, setup});
+}
+
+void PlanBuilder::length(int feature, const std::vector<double>& position, double speed, double wait,
+                         const std::string& setup) {
+  const Feature& from = plan_.artifact.features[feature];
+  if (from.kind != FeatureKind::kPoint)
+    fail("'" + from.name + "' is a ball; a length begins at a point of the artifact");
+  append({MoveKind::kLength, position, {}, feature, speed, wait, -1, setup});
+}
+
+void PlanBuilder::again(std::size_t first, int times) {
+  const std::vector<PlanMove> group(plan_.moves.begin() + static_cast<std::ptrdiff_t>(first),
+                                    plan_.moves.end());
+  checkCount(group.size() * static_cast<std::size_t>(times));
+  for (int i = 0; i < times; ++i) plan_.moves.insert(plan_.moves.end(), group.begin(), group.end());
 }
 
 }  // namespace mm

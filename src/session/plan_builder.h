@@ -42,6 +42,11 @@ class PlanBuilder {
   void readLaser(int feature, const std::vector<double>& position, double wait);
   void reference(MoveKind kind, int joint, const std::vector<double>& position, double speed, double wait,
                  const std::string& setup);
+  /// Has an instrument measure the length from a point of the artifact to the tip. @throw InputError
+  void length(int feature, const std::vector<double>& position, double speed, double wait,
+              const std::string& setup);
+  /// The moves from number `first` on, so many times more.
+  void again(std::size_t first, int times);
 
   Eigen::Vector3d tip(const std::vector<double>& readings) const;   ///< nominal, of the stylus, workpiece
   Eigen::Vector3d beam(const std::vector<double>& readings) const;  ///< of a laser, workpiece
@@ -57,6 +62,7 @@ class PlanBuilder {
   void checkLimits(const std::vector<double>& readings) const;
   void goAround(const std::vector<double>& position);
   bool blocked(const std::vector<double>& from, const std::vector<double>& to) const;
+  void checkCount(std::size_t more) const;
   void append(PlanMove move);
 
   Plan& plan_;

@@ -56,8 +56,7 @@ std::string planSelection(const Plan& plan, const Machine& machine, const std::v
   for (const std::size_t i : moves) {
     const PlanMove& move = plan.moves[i];
     // a position that an instrument reads is reached from the side from which the plan reaches it
-    const bool reads = move.kind == MoveKind::kDeviation || move.kind == MoveKind::kPosition;
-    if (reads && i > 0 && plan.moves[i - 1].kind == MoveKind::kGo)
+    if (byInstrument(move.kind) && i > 0 && plan.moves[i - 1].kind == MoveKind::kGo)
       text += "  - " + moveYaml(plan.moves[i - 1], plan, machine) + "\n";
     text += "  - " + moveYaml(move, plan, machine) + "\n";
   }
@@ -102,8 +101,14 @@ Session plannedSession(const Plan& plan, const Machine& machine, std::vector<std
       o.kind = ObservationKind::kDeviation;
       o.deviation.assign(joints, kNotMeasured);
       o.deviation[static_cast<std::size_t>(move.joint)] = 0.0;
-      if (!move.setup.empty()) o.setup = setups[move.setup];
     }
+    if (move.kind == MoveKind::kLength) {
+      o.kind = ObservationKind::kLength;
+      o.length =
+          (plan.tipOf(machine, move.position, move.stylus) - plan.placeOf(move.feature, move.placement))
+              .norm();
+    }
+    if (byInstrument(move.kind) && !move.setup.empty()) o.setup = setups[move.setup];
     session.observations.push_back(std::move(o));
     if (moves != nullptr) moves->push_back(i);
   }

@@ -71,6 +71,7 @@ std::string moveYaml(const PlanMove& move, const Plan& plan, const Machine& mach
   }
   if (move.kind == MoveKind::kDeviation) out << ", reference: " << quoted(machine.joints()[move.joint].name);
   if (move.kind == MoveKind::kPosition) out << ", reference: position";
+  if (move.kind == MoveKind::kLength) out << ", reference: length";
   if (!plan.placements.empty())
     out << ", placement: " << quoted(plan.placements[static_cast<std::size_t>(move.placement)].name);
   if (move.feature >= 0 && !plan.artifact.styli.empty())

@@ -190,6 +190,11 @@ double Session::ownTime(const Observation& o) const {
   return recordings.empty() ? o.time : o.time - recordings[static_cast<std::size_t>(o.recording)].begin;
 }
 
+bool Session::timed(const Observation& o) const {
+  return (recordings.empty() ? timesAssumed : recordings[static_cast<std::size_t>(o.recording)].timesAssumed)
+      .empty();
+}
+
 ProbePose Session::nominalProbe(const Observation& o) const {
   ProbePose pose = machine.nominal(o.position.data(), o.laserReading);
   if (artifact.styli.empty()) return pose;

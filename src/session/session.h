@@ -92,6 +92,9 @@ struct Observation {
   int recording = 0;                 // index in Session::recordings
 };
 
+/// Session::timesAssumed of a file without times.
+inline const char* const kTimesInOrder = "in the order of the rows";
+
 /// A direction of travel that was not recorded and was made from what was.
 struct AssumedInput {
   std::string joint;
@@ -121,8 +124,9 @@ struct SetAside {
 /// One of several sessions that were joined (session/joined.h).
 struct Recording {
   std::string source, hash;
-  std::string rowFile;  // as Session::rowFile
-  double begin = 0.0;   // s from the start of the joined session
+  std::string rowFile;            // as Session::rowFile
+  double begin = 0.0;             // s from the start of the joined session
+  std::string timesAssumed = {};  // as Session::timesAssumed
 };
 
 /// A measurement session, whatever it was read from (bag, CSV, live topics), or several of them joined.
@@ -143,6 +147,9 @@ struct Session {
   ControllerCompensation compensation;  // that was active; errors are what remained beside it
   std::string rowFile;  // name of the file whose lines `Observation::row` counts; empty: messages
   std::vector<AssumedInput> assumed;  // made by assumeTravel
+  /// How times that nobody recorded were made up ("in the order of the rows"): they tell the order of the
+  /// observations and nothing else, so that no effect knows them (timed). Empty: they were recorded.
+  std::string timesAssumed;
   std::vector<SetAside>
       setAside;  // by `prepare` and by who reads a bag: not in `observations`, not in the series
 
@@ -165,6 +172,8 @@ struct Session {
   int outward(const Observation& o) const;
   /// s from the start of the recording that an observation belongs to.
   double ownTime(const Observation& o) const;
+  /// The time of an observation was recorded.
+  bool timed(const Observation& o) const;
   /// Where the readings say that the probe is, with the stylus that was used (without an offset: probe_tip).
   ProbePose nominalProbe(const Observation& o) const;
   /// "line 17 of plate.csv", or "row 17" where rows are messages.

@@ -101,6 +101,7 @@ std::string sessionHash(const Session& session) {
   for (const Recording& r : session.recordings) hash.add(r.hash);
   if (session.compensation.stated != ControllerCompensation::Stated::kNot)
     hash.add(session.compensation.inWords());
+  if (!session.timesAssumed.empty()) hash.add(session.timesAssumed);
   return hash.digits();
 }
 

@@ -88,7 +88,10 @@ std::string seriesLines(const std::vector<Series>& all) {
 
 std::string summarize(const Session& session) {
   const double duration = session.observations.back().time - session.observations.front().time;
-  std::string text = column("session") + observationsLine(session) + ", over " + number(duration) + " s\n";
+  const bool timed =
+      session.timed(session.observations.front()) || session.timed(session.observations.back());
+  std::string text =
+      column("session") + observationsLine(session) + (timed ? ", over " + number(duration) + " s\n" : "\n");
   if (!session.artifact.features.empty()) text += featuresLine(session);
   for (std::size_t j = 0; j < session.machine.joints().size(); ++j) {
     const Joint& joint = session.machine.joints()[j];
@@ -128,7 +131,15 @@ std::string assumedText(const Session& session) {
   for (const auto& [how, joints] : ways)
     text += (text.empty() ? "assumed, as no velocity was recorded: direction of travel" : "") +
             ("\n  " + how) + " (" + joints + ")";
-  return text.empty() ? text : text + " of the observations";
+  if (!text.empty()) text += " of the observations";
+  const auto& all = session.observations;
+  const auto untimed =
+      std::count_if(all.begin(), all.end(), [&](const Observation& o) { return !session.timed(o); });
+  if (untimed == 0) return text;
+  return text + (text.empty() ? "" : "\n") + "assumed, as no times were recorded: the order of " +
+         (untimed == static_cast<long>(all.size()) ? std::string("the observations")
+                                                   : std::to_string(untimed) + " observations") +
+         " is that of the rows; no effect of time can be told";
 }
 
 std::string lossText(const Session& session) {

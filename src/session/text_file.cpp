@@ -81,6 +81,11 @@ TextFile::TextFile(const std::filesystem::path& file) : path_(file) {
   split();
 }
 
+TextFile::TextFile(std::filesystem::path name, std::string bytes) : path_(std::move(name)) {
+  decode(std::move(bytes));
+  split();
+}
+
 void TextFile::decode(std::string bytes) {
   const std::string name = path_.string();
   if (bytes.empty()) throw InputError(name + ": is empty; the first line must name the columns");

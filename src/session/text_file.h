@@ -12,6 +12,8 @@ class TextFile {
  public:
   /// @throw InputError when it cannot be read, is empty, or is no text (a workbook, a bag, binary).
   explicit TextFile(const std::filesystem::path& file);
+  /// The bytes of a file that is not on this disk. @param name of it, for messages. @throw as above.
+  TextFile(std::filesystem::path name, std::string bytes);
   TextFile(const TextFile&) = delete;
   TextFile& operator=(const TextFile&) = delete;
 

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "simulation/simulate.h"
 
 namespace mm {
@@ -96,6 +97,14 @@ void SimulatedController::open(const ControllerSetup& setup) {
   if (!(linear > 0.0) || !(turning > 0.0))
     throw InputError("the acceleration of the simulated controller must be above 0");
   instrument_ = std::make_unique<SimulatedInstrument>(makeInstrument(machine, plan, request));
+  std::vector<std::string> ofPlan;
+  for (HiddenSource source : instrument_->known) {
+    source.numbers.clear();
+    ofPlan.push_back(source.text());
+  }
+  // As it was asked for: of `random` the answer stays hidden.
+  errors_ = "simulated errors: of the plan " + (ofPlan.empty() ? "none" : joined(ofPlan, ", ")) +
+            "; of `hide` " + (request.hide.empty() ? "none" : joined(request.hide, "; "));
   std::vector<double> parked;
   for (const Joint& joint : machine.joints()) {
     axes_.push_back(joint.name);
@@ -131,6 +140,7 @@ void SimulatedController::reconnect() {
 Capabilities SimulatedController::capabilities() const {
   Capabilities can;
   can.feedHold = can.feedOverride = can.homingByAxis = true;
+  can.notes.push_back(errors_);
   for (std::size_t j = 0; j < axes_.size(); ++j) {
     const Joint& joint = instrument_->machine.machine().joints()[j];
     AxisCapability axis;

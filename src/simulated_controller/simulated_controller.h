@@ -69,6 +69,7 @@ class SimulatedController final : public AxisController {
 
   std::unique_ptr<SimulatedInstrument> instrument_;
   std::vector<std::string> axes_;
+  std::string errors_;  // that the instrument has, for people
   std::vector<double> homePosition_, acceleration_;
   std::vector<bool> homed_;
   std::vector<std::size_t> homing_;  // axes; empty: none

@@ -219,6 +219,15 @@ std::vector<SourceKind> structureKinds() {
        [](const HiddenSource& s, Workshop& w, Random&) {
          add<WarmUp>(w, direction(s, w, "direction"), s.number("d"), s.number("tau"));
        }},
+      {"scale_warm_up",
+       {{"axis", Key::kLinear, ""}},
+       {{"strain", "1", 40e-6, 120e-6}, {"tau", "s", 480.0, 1200.0}},
+       Probe::kAny,
+       false,
+       [](const HiddenSource& s, Workshop& w, Random&) {
+         const int j = joint(s, w, "axis");
+         add<ScrewWarmUp>(w, j, w.lower[j], s.number("strain"), s.number("tau"));
+       }},
       {"gravity_sag",
        {{"direction", Key::kDirection, "z"}, {"with", Key::kLinear, ""}},
        {{"drop", "m", 3e-6, 12e-6}},

@@ -97,13 +97,16 @@ std::string flowText(const YAML::Node& node) {
 }
 
 TrueCovariate readCovariate(const YAML::Node& node, const std::string& source) {
-  const YamlMapping map(node, source, "a covariate", {"name", "unit", "mean", "swing", "period_min"});
+  const YamlMapping map(node, source, "a covariate",
+                        {"name", "unit", "mean", "swing", "period_min", "from_min", "to_min"});
   TrueCovariate covariate;
   covariate.name = map.text("name");
   covariate.unit = map.text("unit");
   set(map, "mean", 1.0, -kAny, kAny, covariate.mean);
   set(map, "swing", 1.0, -kAny, kAny, covariate.swing);
   set(map, "period_min", kMinute, 0.1, kAny, covariate.period);
+  set(map, "from_min", kMinute, 0.0, kAny, covariate.from);
+  set(map, "to_min", kMinute, 0.0, kAny, covariate.to);
   return covariate;
 }
 

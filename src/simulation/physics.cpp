@@ -7,6 +7,7 @@
 namespace mm {
 
 double TrueCovariate::at(double time) const {
+  if (time < from || time >= to) return 0.0;
   const double turn = 2.0 * kPi * time / period + phase;
   return mean + swing * (std::sin(turn) + 0.3 * std::sin(2.7 * turn + 1.0));
 }

@@ -15,8 +15,9 @@ namespace mm {
 /// A logged quantity that is no temperature, as it really goes: mean, swing and slow noise.
 struct TrueCovariate {
   std::string name, unit;
-  double mean = 0.0, swing = 0.0, period = 3600.0, phase = 0.0;  // in `unit`; s; rad
-  double at(double time) const;                                  ///< in `unit`; time in s
+  double mean = 0.0, swing = 0.0, period = 3600.0, phase = 0.0;     // in `unit`; s; rad
+  double from = 0.0, to = std::numeric_limits<double>::infinity();  // s; zero outside
+  double at(double time) const;                                     ///< in `unit`; time in s
 };
 
 /// Everything that is wrong with one instrument.

@@ -33,6 +33,7 @@ std::vector<std::pair<std::string, Cell>> columnsOf(const Session& session) {
   for (int k = 0; k < 3; ++k)
     columns.emplace_back(std::string("reference_") + "xyz"[k] + "_mm",
                          [=](const Observation& o) { return o.reference(k) / kMillimetre; });
+  columns.emplace_back("length_mm", [](const Observation& o) { return o.length / kMillimetre; });
   for (const Series& s : session.temperatures)
     columns.emplace_back(s.name + "_degC", [&s](const Observation& o) { return s.at(o.time); });
   for (const Series& s : session.covariates)

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "session/trial_block.h"
 #include "simulation/wander.h"
 
 namespace mm {
@@ -42,6 +43,8 @@ class Recorder {
       : plan_(plan),
         machine_(std::move(instrument.machine)),
         result_{Session(machine_.machine()), {}, {}, {}, {}, {}, nullptr, 0, {}},
+        correction_(request.correction),
+        correctedState_(request.correctedState),
         seed_(request.seed),
         noise_(request.seed, "records") {
     result_.known = std::move(instrument.known);
@@ -55,7 +58,7 @@ class Recorder {
     if (move.kind == MoveKind::kTouch) return touch(move);
     go(move);
     if (move.kind == MoveKind::kLaser) keep(machine_.readLaser(move.feature));
-    if (move.kind == MoveKind::kDeviation || move.kind == MoveKind::kPosition) reference(move);
+    if (byInstrument(move.kind)) reference(move);
   }
 
   Simulation finish() {
@@ -76,13 +79,11 @@ class Recorder {
   void stand(const PlanMove& move) {
     if (!plan_.placements.empty() && move.placement != placement_) {
       const PlanPlacement& to = plan_.placements[static_cast<std::size_t>(move.placement)];
-      Random byHand(seed_, "placement " + to.name);
+      const std::optional<TrialBlock> block = trialBlock(to.name);
+      if (block && correctedState_ != 0)
+        machine_.switchCorrection(block->state == correctedState_ ? correction_ : nullptr);
       if (placement_ < 0) flat_ = machine_.artifact();
-      TrueArtifact artifact = flat_;
-      const auto beside = [&] { return settings_.placement.shift * byHand.normal(); };
-      const Eigen::Vector3d shift = to.shift + Eigen::Vector3d(beside(), beside(), beside());
-      artifact.turn(to.turn + settings_.placement.turn * byHand.normal(), to.about, shift);
-      machine_.putDown(artifact);
+      if (!block || !block->placement.empty()) putDown(to, block ? block->placement : to.name);
       placement_ = move.placement;
     }
     if (plan_.artifact.styli.empty() || move.stylus == stylus_) return;
@@ -93,6 +94,15 @@ class Recorder {
     for (int k = 0; k < 3 && !stylus.known; ++k) offset[k] += kBeside * making.normal();
     machine_.takeStylus(move.stylus, offset);
     stylus_ = move.stylus;
+  }
+
+  void putDown(const PlanPlacement& to, const std::string& name) {
+    Random byHand(seed_, "placement " + name);
+    TrueArtifact artifact = flat_;
+    const auto beside = [&] { return settings_.placement.shift * byHand.normal(); };
+    const Eigen::Vector3d shift = to.shift + Eigen::Vector3d(beside(), beside(), beside());
+    artifact.turn(to.turn + settings_.placement.turn * byHand.normal(), to.about, shift);
+    machine_.putDown(artifact);
   }
 
   void sample(double time, const std::vector<double>& velocity) {
@@ -163,16 +173,17 @@ class Recorder {
     result_.truePositions.push_back(trip->truePosition);
   }
 
-  double setupZero(const std::string& setup, int joint) {
+  double setupZero(const std::string& setup, bool linear) {
+    if (setup.empty()) return 0.0;
     // Where the instrument was set to zero nobody knows.
     constexpr double kSetting = 5e-6, kSettingAngular = 2e-5;  // m, rad: standard deviation
-    const bool linear = machine_.machine().joints()[joint].kind == JointKind::kLinear;
     return Random(seed_, "setup " + setup).normal() * (linear ? kSetting : kSettingAngular);
   }
 
   void reference(const PlanMove& move) {
     Observation& o = append(machine_.time());
     Session& session = result_.session;
+    o.placement = std::max(0, placement_);
     o.position = machine_.readings();
     o.velocity = machine_.velocity();
     o.travel = machine_.travel();
@@ -184,11 +195,15 @@ class Recorder {
     if (move.kind == MoveKind::kDeviation) {
       o.kind = ObservationKind::kDeviation;
       o.deviation.assign(o.position.size(), kNotMeasured);
-      o.deviation[move.joint] = machine_.measureDeviation(move.joint) +
-                                (move.setup.empty() ? 0.0 : setupZero(move.setup, move.joint));
+      const bool linear = machine_.machine().joints()[move.joint].kind == JointKind::kLinear;
+      o.deviation[move.joint] = machine_.measureDeviation(move.joint) + setupZero(move.setup, linear);
+    } else if (move.kind == MoveKind::kLength) {
+      o.kind = ObservationKind::kLength;
+      o.feature = move.feature;
+      const Eigen::Vector3d from = machine_.artifact().centre(move.feature, kReferenceTemperature);
+      o.length = (machine_.measurePosition() - from).norm() + setupZero(move.setup, true);
     } else {
       o.kind = ObservationKind::kPosition;
-      o.placement = std::max(0, placement_);
       o.reference = machine_.measurePosition();
     }
     TrueState state;
@@ -204,6 +219,8 @@ class Recorder {
   SimulatedMachine machine_;
   InstrumentSettings settings_;
   Simulation result_;
+  std::shared_ptr<const CorrectionTable> correction_;  // of the blocks with that state
+  char correctedState_;
   std::uint64_t seed_;
   Random noise_;
   int placement_ = -1, stylus_ = -1;
@@ -217,7 +234,9 @@ SimulatedInstrument makeInstrument(const Machine& machine, const Plan& plan, con
 
 /// What an instrument without errors goes through at each measurement of a plan.
 std::vector<Condition> rehearse(const Machine& machine, const Plan& plan, const SimulationRequest& request) {
-  Recorder recorder(plan, request, makeInstrument(machine, plan, request, Hide::kNothing));
+  SimulationRequest uncorrected = request;
+  uncorrected.correction = nullptr;
+  Recorder recorder(plan, uncorrected, makeInstrument(machine, plan, uncorrected, Hide::kNothing));
   for (const PlanMove& move : plan.moves) recorder.run(move);
   const Simulation run = recorder.finish();
   const InstrumentSettings settings = InstrumentSettings::parse(plan.text, plan.source);

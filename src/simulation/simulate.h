@@ -19,6 +19,7 @@ struct SimulationRequest {
   std::uint64_t seed = 1;
   std::string rough;  // how the session is rougher than the plan says: words as for Roughness::change
   std::shared_ptr<const CorrectionTable> correction = nullptr;  // that the controller has loaded; null: none
+  char correctedState = 0;  // A or B: it corrects in the blocks of a blind trial with this state; 0: always
 };
 
 /// Standard deviation of one measured value of a plan, RMS over its measurements.

@@ -49,6 +49,9 @@ class SimulatedMachine {
   /// From now on the controller corrects what it is told by a table; its readings stay the commanded ones.
   /// Only before anything else.
   void loadCorrection(std::shared_ptr<const CorrectionTable> table);
+  /// The same at standstill, in the middle of a session: the drives go there with the next motion. Null: it
+  /// corrects nothing.
+  void switchCorrection(std::shared_ptr<const CorrectionTable> table) { correction_ = std::move(table); }
   /// Puts the drives there without a motion: only before anything else.
   void home(const std::vector<double>& readings);
   void wait(double seconds);

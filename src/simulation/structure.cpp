@@ -29,6 +29,11 @@ void WarmUp::apply(const Condition& condition, Distortion& distortion) const {
                  size_ * ((1.0 - kFastShare) * -std::expm1(-t) + kFastShare * -std::expm1(-kFaster * t)));
 }
 
+void ScrewWarmUp::apply(const Condition& condition, Distortion& distortion) const {
+  const double reached = -std::expm1(-condition.time / timeConstant_);
+  distortion.travel[joint_] += strain_ * reached * (condition.drive[joint_] - fixed_);
+}
+
 void CovariateError::apply(const Condition& condition, Distortion& distortion) const {
   const double change = condition.covariates[covariate_] - reference_;
   if (axis_ >= 0)

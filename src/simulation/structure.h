@@ -59,6 +59,19 @@ class WarmUp : public Source {
   double size_, timeConstant_;
 };
 
+/// A screw that heats itself by running grows from its fixed bearing.
+class ScrewWarmUp : public Source {
+ public:
+  /// @param fixed reading at which the bearing holds it, m. @param strain in the end. @param timeConstant s.
+  ScrewWarmUp(int joint, double fixed, double strain, double timeConstant)
+      : joint_(joint), fixed_(fixed), strain_(strain), timeConstant_(timeConstant) {}
+  void apply(const Condition& condition, Distortion& distortion) const override;
+
+ private:
+  int joint_;
+  double fixed_, strain_, timeConstant_;
+};
+
 /// Something that was logged (humidity, pressure, load) moves the tip, or stretches an axis.
 class CovariateError : public Source {
  public:

@@ -115,9 +115,9 @@ void addExportCommand(CLI::App& app, int& exitStatus) {
   command->add_flag("--json", c->json, "print representability.json");
   c->files.declare(*command);
   command->footer(
-      "Writes the tables, README.md (what to load where, how to check the sign with one move, what could not "
-      "be\n"
-      "verified) and representability.json (how far each effect is carried by the controller). The folder is "
+      "Writes the tables, README.md (what to install where, the sign by one move, what was checked, what is "
+      "open)\n"
+      "and representability.json (how far each effect is carried by the controller). The folder is "
       "written\n"
       "completely or not at all; an earlier export for the same controller is replaced. The new tables "
       "include the\n"

@@ -47,6 +47,7 @@ FileKind kindOfYaml(const std::string& text) {
   const auto has = [&](const char* key) { return keys.count(key) > 0; };
   if (has("checksum") || has("covariance_si")) return FileKind::kCalibration;
   if (has("hidden") && has("features_mm")) return FileKind::kTruth;
+  if (has("trial") && has("correction_on")) return FileKind::kKey;
   if (has("moves") && startsWith(text, "name: next_measurement\n")) return FileKind::kMoves;
   for (const char* key : {"touch", "postures", "reference", "moves"})
     if (has(key)) return FileKind::kPlan;
@@ -118,6 +119,8 @@ std::string nameOf(FileKind kind) {
       return "a measurement plan";
     case FileKind::kMoves:
       return "proposed moves";
+    case FileKind::kKey:
+      return "the key of a blind trial";
     case FileKind::kTruth:
       return "what a simulation hid";
     case FileKind::kTable:

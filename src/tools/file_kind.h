@@ -18,6 +18,7 @@ enum class FileKind {
   kArtifact,
   kPlan,
   kMoves,   // the plan that a diagnosis proposes
+  kKey,     // of a blind trial
   kTruth,   // what mm simulate hid
   kTable,   // a CSV of measurements
   kStates,  // the CSV that mm apply corrected

@@ -1,20 +1,16 @@
 #include <CLI/CLI.hpp>
-#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
 
 #include "base/cancel_scope.h"
-#include "base/units.h"
-#include "import/import_file.h"
 #include "import/import_format.h"
+#include "import/import_preview.h"
 #include "interpreters/loaded_compensation.h"
 #include "session/artifact_file.h"
-#include "session/input_faults.h"
-#include "session/sense_checks.h"
-#include "session/session_summary.h"
 #include "tools/commands.h"
+#include "tools/exit_status.h"
 #include "tools/interrupt.h"
 #include "tools/json_output.h"
 #include "tools/one_line.h"
@@ -27,107 +23,53 @@ namespace {
 struct ImportOptions {
   ImportRequest request;
   std::string artifact, machine, output, compensation;
-  bool json = false;
+  bool json = false, preview = false;
   OutputFiles files;
 };
 
-Json told(const std::string& text) { return orNull(!text.empty(), text); }
-
-Json columnJson(const UnderstoodColumn& c) {
-  return {{"name", c.name},
-          {"meaning", told(c.meaning)},
-          {"unit", told(c.unit)},
-          {"unit_from", told(c.unit.empty() ? "" : c.from)},
-          {"range", orNull(!std::isnan(c.lower), std::vector<double>{c.lower, c.upper})},
-          {"first", told(c.first)}};
+ImportPreview readFile(const ImportOptions& options) {
+  const ControllerCompensation compensation = statedCompensation("--compensation", options.compensation);
+  const Machine machine = Machine::load(options.machine);
+  std::optional<Artifact> artifact;
+  if (!options.artifact.empty()) artifact = loadArtifact(options.artifact);
+  ProgressBar bar("reading");
+  const CancelScope cancel(Interrupt::asked);
+  return previewImport(options.request, machine, artifact ? &*artifact : nullptr, compensation,
+                       bar.callback());
 }
 
-Json questionJson(const Doubt& d) {
-  return {{"question", d.question}, {"before_um", d.before * 1e6}, {"after_um", d.after * 1e6}};
-}
-
-Json sessionJson(const Session& session) {
-  const auto setAside = [&](const SetAside& a) { return setAsideText(session, a); };
-  return {{"observations", session.observations.size()},
-          {"assumed", told(assumedText(session))},
-          {"set_aside", jsonList(session.setAside, setAside)},
-          {"compensation", session.compensation.inWords()}};
-}
-
-/// What was understood as an object: the same that is printed for people, with the faults of a file that is
-/// refused.
-Json importJson(const ImportOptions& options, const Imported& imported,
-                const std::vector<std::string>& faults, const std::vector<Doubt>& questions) {
-  const Json noSession{{"observations", nullptr},
-                       {"assumed", nullptr},
-                       {"set_aside", Json::array()},
-                       {"compensation", nullptr}};
-  return jsonObject({{{"file", options.request.file.string()},
-                      {"format", told(imported.format)},
-                      {"how", imported.how},
-                      {"columns", jsonList(imported.columns, columnJson)},
-                      {"remarks", imported.notes},
-                      {"faults", faults},
-                      {"questions", jsonList(questions, questionJson)}},
-                     imported.session ? sessionJson(*imported.session) : noSession,
-                     {{"written", orNull(faults.empty(), options.output)}}});
-}
-
-/// What was understood of a file that is refused, and each of its faults on a line. @throw InputError: the
-/// last.
-[[noreturn]] void refuse(const ImportOptions& options, const Imported& imported,
-                         const std::vector<std::string>& faults) {
-  if (options.json)
-    printJson(std::cout, importJson(options, imported, faults, {}));
-  else if (!imported.columns.empty())
-    std::cout << understoodText(imported);
+/// Each fault of a file that is refused on a line. @throw InputError: the last.
+[[noreturn]] void refuse(const std::vector<std::string>& faults) {
   std::cout << std::flush;
   for (std::size_t i = 0; i + 1 < faults.size(); ++i)
     std::cerr << "mm: error: " << oneLine(faults[i]) << std::endl;
   throw InputError(faults.back());
 }
 
-void readFile(const ImportOptions& options, const Machine& machine, const Artifact* artifact,
-              Imported& imported) {
-  try {
-    ProgressBar bar("reading");
-    const CancelScope cancel(Interrupt::asked);
-    importFile(options.request, machine, artifact, imported, bar.callback());
-    return;
-  } catch (const InputFaults& e) {
-    refuse(options, imported, e.faults());
-  } catch (const InputError& e) {
-    refuse(options, imported, {e.what()});
-  }
-}
-
-void runImport(ImportOptions& options) {
+int runImport(ImportOptions& options) {
+  if (options.output.empty() && !options.preview)
+    throw InputError("-o is missing; name the session's bag, or look at the file first with --preview");
   options.files.input(options.request.file);
   options.files.input(options.request.mapping);
   options.files.input(options.artifact);
   options.files.input(options.machine);
-  options.files.bag("-o", options.output,
-                    "imported from " + std::filesystem::path(options.request.file).filename().string());
+  if (!options.preview)
+    options.files.bag("-o", options.output,
+                      "imported from " + std::filesystem::path(options.request.file).filename().string());
   options.files.check();
-  const ControllerCompensation compensation = statedCompensation("--compensation", options.compensation);
-  const Machine machine = Machine::load(options.machine);
-  std::optional<Artifact> artifact;
-  if (!options.artifact.empty()) artifact = loadArtifact(options.artifact);
-  Imported imported;
-  readFile(options, machine, artifact ? &*artifact : nullptr, imported);
-  imported.session->compensation = compensation;
-  {
+  const ImportPreview read = readFile(options);
+  const bool writes = read.faults.empty() && !options.preview;
+  if (writes) {
     ProgressBar bar("writing");
-    options.files.write(options.output, *imported.session, bar.callback(), imported.motion);
+    options.files.write(options.output, *read.imported.session, bar.callback(), read.imported.motion);
   }
-  const std::vector<Doubt> questions = sensibleDoubts(*imported.session);
-  if (options.json) {
-    printJson(std::cout, importJson(options, imported, {}, questions));
-    return;
-  }
-  std::cout << understoodText(imported) << summarize(*imported.session);
-  for (const Doubt& d : questions) std::cout << "question: " << oneLine(d.question) << '\n';
-  std::cout << "written to " << options.output << '\n';
+  if (options.json)
+    printJson(std::cout, previewJson(options.request, read, writes ? options.output : ""));
+  else
+    std::cout << previewText(read) << (options.preview ? firstRowsText(read.imported) : "");
+  if (!read.faults.empty()) refuse(read.faults);
+  if (writes && !options.json) std::cout << "written to " << options.output << '\n';
+  return read.doubts.empty() ? kDone : kAnswerIsNo;
 }
 
 std::string formatLines() {
@@ -141,7 +83,7 @@ std::string formatLines() {
 
 }  // namespace
 
-void addImportCommand(CLI::App& app, int& /*exitStatus*/) {
+void addImportCommand(CLI::App& app, int& exitStatus) {
   auto options = std::make_shared<ImportOptions>();
   CLI::App* command =
       app.add_subcommand("import", "Convert a table of contacts or an instrument's log to a session bag");
@@ -156,7 +98,9 @@ void addImportCommand(CLI::App& app, int& /*exitStatus*/) {
       "mapping, YAML: meaning, units and signs that the file does not state (docs/import.md)");
   command->add_option("--format", options->request.format,
                       "file format, if it is not recognised automatically");
-  command->add_option("-o,--output", options->output, "the session's bag")->required();
+  command->add_option("-o,--output", options->output, "the session's bag");
+  command->add_flag("--preview", options->preview,
+                    "print how the file is interpreted, with its first rows, and write nothing");
   command->add_option("--compensation", options->compensation, kCompensationHelp);
   command->add_flag("--json", options->json, "print how the file was interpreted as JSON on standard output");
   options->files.declare(*command);
@@ -180,11 +124,14 @@ void addImportCommand(CLI::App& app, int& /*exitStatus*/) {
       "recognised; for what the file does not state, the error message gives the line to add to the mapping. "
       "Formats:\n" +
       formatLines() +
+      "A question (question: …) ends with status 1: the bag is written, and it is not known whether it is "
+      "as meant.\n"
       "Examples:\n"
+      "  mm import log.txt --machine three_axis --preview\n"
       "  mm import contacts.csv --artifact plate.yaml --machine three_axis -o plate.bag\n"
       "  mm import interferometer_x.csv --machine three_axis -o x.bag\n"
       "  mm import log.txt --columns mapping.yaml --machine three_axis -o log.bag");
-  command->callback([options] { runImport(*options); });
+  command->callback([options, &exitStatus] { exitStatus = runImport(*options); });
 }
 
 }  // namespace mm

@@ -151,6 +151,8 @@ void OutputFiles::checkContent(const Output& out) const {
     return refuseUnlessForced(out, "holds " + nameOf(there) + ", not " + nameOf(out.kind));
   if (there == FileKind::kTable)
     return refuseUnlessForced(out, "holds a table that may contain measurements");
+  if (there == FileKind::kKey)
+    return refuseUnlessForced(out, "holds " + nameOf(there) + " that may have been measured");
   for (const FileKind kind : {FileKind::kMachine, FileKind::kModel, FileKind::kPlan})
     if (there == kind)
       return refuseUnlessForced(out, "holds " + nameOf(kind) + " that may have been edited by hand");

@@ -8,9 +8,12 @@
 
 #include "base/error.h"
 #include "base/format.h"
+#include "base/names_of.h"
 #include "base/units.h"
+#include "machine/linear_inverse.h"
 #include "session/artifact_file.h"
 #include "session/plan.h"
+#include "session/plan_tests.h"
 #include "session/plan_ways.h"
 #include "session/plan_writer.h"
 #include "tools/bounds.h"
@@ -23,9 +26,10 @@ namespace mm {
 namespace {
 
 struct PlanOptions {
-  std::string machine, artifact, balls, output;
+  std::string machine, artifact, balls, test, output;
   double radius = 3.9685, tip = 1.0, cone = 90.0, repeatability = 0.0;  // mm, mm, deg, um
-  int points = 25, positions = 0, runs = 5;
+  int points = 25;
+  PlanTestSize size;
   OutputFiles files;
 };
 
@@ -34,13 +38,6 @@ struct Reach {
   Eigen::Vector3d lower = Eigen::Vector3d::Constant(INFINITY), upper = -lower;  // m, workpiece
 };
 
-std::vector<int> linearJoints(const Machine& machine) {
-  std::vector<int> linear;
-  for (int j = 0; j < machine.jointCount(); ++j)
-    if (machine.joints()[static_cast<std::size_t>(j)].kind == JointKind::kLinear) linear.push_back(j);
-  return linear;
-}
-
 std::vector<double> middleOf(const Machine& machine) {
   std::vector<double> q;
   for (const Joint& j : machine.joints()) q.push_back(0.5 * (j.lower + j.upper));
@@ -48,7 +45,7 @@ std::vector<double> middleOf(const Machine& machine) {
 }
 
 Reach reachOf(const Machine& machine) {
-  const std::vector<int> linear = linearJoints(machine);
+  const std::vector<int> linear = linearJoints(machine.joints());
   Reach reach;
   for (unsigned corner = 0; corner < (1U << linear.size()); ++corner) {
     std::vector<double> q = middleOf(machine);
@@ -115,7 +112,7 @@ std::string clearance(const Machine& machine) {
   const std::vector<double> q = middleOf(machine);
   const auto jacobian = machine.jacobian(q.data(), 0.0);
   int best = -1;
-  for (const int j : linearJoints(machine))
+  for (const int j : linearJoints(machine.joints()))
     if (best < 0 || std::abs(jacobian(2, j)) > std::abs(jacobian(2, best))) best = j;
   if (best < 0) return {};
   const Joint& joint = machine.joints()[static_cast<std::size_t>(best)];
@@ -151,50 +148,35 @@ std::string touchPlan(const PlanOptions& o, const Machine& machine, const std::s
   return text;
 }
 
-std::string instrumentPlan(const PlanOptions& o, const Machine& machine, const std::string& name) {
-  std::string text = "# ISO 230-2: each linear axis at " + std::to_string(o.positions) + " positions, " +
-                     std::to_string(o.runs) + " runs, both directions.\nname: " + name +
-                     "\nspeeds: {rapid_mm_s: 10}\napproach: {overrun_mm: 0.5}\nreference:\n";
-  std::string middle;
-  const std::vector<double> q = middleOf(machine);
-  for (int j = 0; j < machine.jointCount(); ++j) {
-    const Joint& joint = machine.joints()[static_cast<std::size_t>(j)];
-    const bool linear = joint.kind == JointKind::kLinear;
-    middle += (middle.empty() ? "" : ", ") + joint.name + (linear ? "_mm: " : "_deg: ") +
-              format("%.9g", q[static_cast<std::size_t>(j)] / (linear ? kMillimetre : kDegree));
-  }
-  for (const int j : linearJoints(machine)) {
-    const Joint& joint = machine.joints()[static_cast<std::size_t>(j)];
-    const double room = 0.02 * (joint.upper - joint.lower) + 0.6 * kMillimetre;  // for the overrun
-    if (joint.upper - joint.lower <= 2.0 * room)
-      throw InputError(o.machine + ": axis " + joint.name + " travels only " +
-                       format("%.6g", (joint.upper - joint.lower) / kMillimetre) +
-                       " mm; --positions needs more than 1.3 mm");
-    // The last interval is a little longer: positions that are no multiple of a pitch (ISO 230-2).
-    text += "  - {joint: " + joint.name +
-            format(", from_mm: %.6g, to_mm: %.6g", (joint.lower + room) / kMillimetre,
-                   (joint.upper - 1.1 * room) / kMillimetre) +
-            ", points: " + std::to_string(o.positions) + ", runs: " + std::to_string(o.runs) +
-            ", dwell_s: 5, setup: " + joint.name + ", at: {" + middle + "}}\n";
-  }
+/// The tests with what each needs, one a line.
+std::string testsText() {
+  std::string text = "Tests (--test):\n";
+  for (const PlanTest& test : planTests())
+    text += format("  %-12s", test.name.c_str()) + test.standard + "\n" + std::string(14, ' ') + "needs " +
+            test.needs + "\n";
   return text;
 }
 
 void runNew(PlanOptions& o) {
-  const int kinds = (o.artifact.empty() ? 0 : 1) + (o.balls.empty() ? 0 : 1) + (o.positions == 0 ? 0 : 1);
+  const PlanTestSize& size = o.size;
+  if (o.test.empty() && size.positions > 0) o.test = "positioning";
+  const int kinds = (o.artifact.empty() ? 0 : 1) + (o.balls.empty() ? 0 : 1) + (o.test.empty() ? 0 : 1);
   if (kinds != 1)
     throw InputError(std::string(kinds == 0 ? "the plan needs something to measure"
                                             : "only one kind of measurement is possible") +
-                     ": give --artifact, --balls or --positions");
+                     ": give --artifact, --balls, --test or --positions");
+  if (o.test.empty() && (size.runs > 0 || size.hours > 0.0 || size.everyMin > 0.0))
+    throw InputError("--runs, --hours and --every-min are for --test");
   o.files.input(o.machine);
   o.files.input(o.artifact);
   o.files.output("-o", o.output, FileKind::kPlan);
   o.files.check();
   const Machine machine = Machine::load(o.machine);
-  if (linearJoints(machine).empty())
+  if (o.test.empty() && linearJoints(machine.joints()).empty())
     throw InputError(o.machine + ": the machine has no linear axis; write its plan by hand (config/plans)");
   const std::string name = std::filesystem::path(o.output).stem().string();
-  const std::string text = o.positions > 0 ? instrumentPlan(o, machine, name) : touchPlan(o, machine, name);
+  const std::string text =
+      o.test.empty() ? touchPlan(o, machine, name) : testPlan(o.test, size, machine, name);
   const Plan plan =
       Plan::parse(text, o.output, {}, machine);  // within the limits, or a line that says where not
   if (const std::string ways = blockedWaysText(plan, blockedWays(plan, machine)); !ways.empty())
@@ -237,21 +219,28 @@ void addPlanCommand(CLI::App& app, int& /*exitStatus*/) {
       ->capture_default_str()
       ->check(numberWithin(10.0, 120.0, "deg"));
   command
-      ->add_option(
-          "--positions", o->positions,
-          "read each linear axis with an independent instrument at this number of positions, in both "
-          "directions")
+      ->add_option("--test", o->test,
+                   "measure a test of a standard with an independent instrument; see below what each needs")
+      ->check(CLI::IsMember(allNames(planTests())));
+  command
+      ->add_option("--positions", o->size.positions,
+                   "of --test: targets of each axis or line, points of a circle; alone: --test positioning")
       ->check(wholeNumberWithin(2, 1000));
-  command->add_option("--runs", o->runs, "of --positions")
-      ->capture_default_str()
+  command->add_option("--runs", o->size.runs, "of --test: how often they are measured")
       ->check(wholeNumberWithin(1, 100));
+  command->add_option("--hours", o->size.hours, "of --test: how long the machine is loaded, or watched")
+      ->check(numberWithin(0.01, 1000.0, "h"));
+  command->add_option("--every-min", o->size.everyMin, "of --test: time between readings (default 5)")
+      ->check(numberWithin(0.1, 600.0, "min"));
   command->add_option("-o,--output", o->output, "the plan")->required();
   o->files.declare(*command);
   command->footer(
-      "Edit the plan as needed. Try it with mm simulate; run it with the node measure.\n"
+      "Edit the plan as needed. Try it with mm simulate; run one that touches with the node measure.\n" +
+      testsText() +
       "Examples:\n"
       "  mm plan new --machine mill.urdf --balls 3x3 --points 30 -o mill_plan.yaml\n"
-      "  mm plan new --machine mill.urdf --positions 11 -o mill_axes.yaml");
+      "  mm plan new --machine mill.urdf --positions 11 -o mill_axes.yaml\n"
+      "  mm plan new --machine mill.urdf --test diagonal -o mill_diagonals.yaml");
   command->callback([o] { runNew(*o); });
 }
 

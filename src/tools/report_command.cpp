@@ -37,26 +37,33 @@ void runReport(ReportCommand& c) {
   options.serial = c.serial;
   options.operatorName = c.operatorName;
   for (const std::string& curve : c.curves) options.curves.push_back(readConvergenceCurve(curve));
-  const Calibration calibration = loadCalibration(c.calibration);
-  const Session session = loadSession(c.bags.joined(), calibration, c.fit.space);
+  std::optional<Calibration> calibration;
+  if (!c.calibration.empty()) calibration = loadCalibration(c.calibration);
+  const Session session = calibration ? loadSession(c.bags.joined(), *calibration, c.fit.space)
+                                      : loadSession(c.bags.joined(), nullptr, c.fit.space);
+  if (!calibration) askFirst(session);
   std::optional<ReportContents> report;
   {
     ProgressBar bar("diagnosing");
     options.diagnose.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
-    report = makeReport(session, calibration, options);
+    report = calibration ? makeReport(session, *calibration, options) : makeReport(session, options);
   }
   c.files.write(c.output, reportPage(*report, files));
-  std::cout << report->diagnosis.sentence << "\nwritten to " << c.output << '\n';
+  std::cout << reportSentence(*report) << '\n';
+  if (!calibration)
+    for (const StandardTest& test : report->tests) std::cout << "  " << test.inWords << '\n';
+  std::cout << "written to " << c.output << '\n';
 }
 
 }  // namespace
 
 void addReportCommand(CLI::App& app, int& /*exitStatus*/) {
   auto c = std::make_shared<ReportCommand>();
-  CLI::App* command =
-      app.add_subcommand("report", "Write a self-contained HTML report of a session and its calibration");
+  CLI::App* command = app.add_subcommand(
+      "report", "Write a self-contained HTML report of a session, with its calibration or without");
   c->bags.declare(*command);
-  command->add_option("--calibration", c->calibration, "the calibration file")->required();
+  command->add_option("--calibration", c->calibration,
+                      "the calibration file; without it, the tests of the standards on the machine as it is");
   command->add_option("-o,--output", c->output, "the page")->capture_default_str();
   command
       ->add_option("--curve", c->curves, "CSV of mm calibrate --curve; two curves are plotted side by side")

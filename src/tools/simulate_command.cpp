@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "base/error.h"
+#include "base/names_of.h"
 #include "interpreters/loaded_compensation.h"
 #include "session/plan_ways.h"
 #include "session/session_summary.h"
@@ -16,12 +17,13 @@
 #include "tools/one_line.h"
 #include "tools/output_files.h"
 #include "tools/progress_bar.h"
+#include "verification/blind_trial.h"
 
 namespace mm {
 namespace {
 
 struct SimulateOptions {
-  std::string machine = "three_axis", plan, output, csv, truth, correction, compensation;
+  std::string machine = "three_axis", plan, output, csv, truth, correction, compensation, key;
   SimulationRequest request;
   OutputFiles files;
 };
@@ -30,6 +32,7 @@ void runSimulate(SimulateOptions& options) {
   options.files.input(options.plan);
   options.files.input(options.machine);
   options.files.input(options.correction);
+  options.files.input(options.key);
   options.files.bag("-o", options.output, "simulated");
   options.files.output("--csv", options.csv, FileKind::kTable);
   options.files.output("--truth", options.truth, FileKind::kTruth);
@@ -43,6 +46,13 @@ void runSimulate(SimulateOptions& options) {
   if (!options.correction.empty())
     options.request.correction =
         std::make_shared<const CorrectionTable>(CorrectionTable::load(options.correction, machine));
+  if (!options.key.empty()) {
+    if (options.correction.empty())
+      throw InputError("--key says in which blocks the correction acts: give the table with --correction");
+    const TrialKey key = loadKey(options.key);
+    checkKey(key, allNames(plan.placements), options.plan, options.key);
+    options.request.correctedState = key.on;
+  }
   ProgressBar measuring("measuring");
   Simulation simulation = simulate(machine, plan, options.request, measuring.callback());
   simulation.session.compensation = compensation;
@@ -89,6 +99,10 @@ void addSimulateCommand(CLI::App& app, int& /*exitStatus*/) {
                       "quantised, all (see below)");
   command->add_option("--correction", options->correction,
                       "compensation table that the simulated controller uses, CSV (mm apply --table)");
+  command->add_option(
+      "--key", options->key,
+      "key of a blind trial (mm plan verify --blind): the table is used in the blocks with the "
+      "correction on");
   command->add_option("--compensation", options->compensation, kCompensationHelp);
   command->add_option("--seed", options->request.seed, "seed of the random number generator")
       ->capture_default_str()

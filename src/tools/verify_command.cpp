@@ -5,12 +5,15 @@
 
 #include "base/error.h"
 #include "calibration_file/calibration_yaml.h"
+#include "report/blind_page.h"
 #include "report/verify_json.h"
 #include "tools/commands.h"
 #include "tools/exit_status.h"
+#include "tools/output_files.h"
 #include "tools/progress_bar.h"
 #include "tools/session_input.h"
 #include "tools/store_options.h"
+#include "verification/blind_trial.h"
 #include "verification/verify.h"
 #include "verification/verify_words.h"
 
@@ -19,7 +22,9 @@ namespace {
 
 struct VerifyCommand : SessionAndCalibration {
   bool loaded = false, rollBack = false;
-  std::string exported;  // folder
+  std::string exported;     // folder
+  std::string blind, page;  // the key of a blind trial; what is written of it
+  OutputFiles files;
   StoreOptions store;
 };
 
@@ -35,7 +40,41 @@ std::string takenBack(const VerifyCommand& c, const Calibration& calibration, co
   return "rolled back: " + before + " is active again in " + store.folder().string();
 }
 
-int runVerify(const VerifyCommand& c) {
+/// The states are compared before the key is read.
+int runBlind(VerifyCommand& c) {
+  if (c.loaded || !c.exported.empty() || c.rollBack)
+    throw InputError("--blind judges both states of the controller: omit --loaded, --export and --roll-back");
+  c.files.input(c.blind);
+  c.files.input(c.calibration);
+  c.files.output("-o", c.page, FileKind::kPage);
+  c.files.check();
+  BlindReport report;
+  CalibrateOptions options = c.fit.checked();
+  const Calibration calibration = loadCalibration(c.calibration);
+  const Session session = loadSession(c.bags.joined(), calibration, c.fit.space);
+  {
+    ProgressBar bar("comparing");
+    options.progress = [&](const std::string& block, double share) { bar.show(share, block); };
+    report.blocks = trialBlocks(session, calibration, options);
+  }
+  report.labelled = compareStates(report.blocks.blocks);
+  const TrialKey key = loadKey(c.blind);
+  checkKey(key, session.placements, c.bags.joined(), c.blind);
+  report.on = key.on;
+  report.opened = opened(report.labelled, key.on, report.blocks.angular);
+  report.session = c.bags.joined();
+  report.calibration = c.calibration;
+  std::cout << (c.json ? blindJson(report) + "\n" : blindText(report));
+  if (!c.page.empty()) {
+    c.files.write(c.page, blindPage(report));
+    if (!c.json) std::cout << "written to " << c.page << '\n';
+  }
+  return report.opened.verdict == TrialVerdict::kHelped ? kDone : kAnswerIsNo;
+}
+
+int runVerify(VerifyCommand& c) {
+  if (!c.blind.empty()) return runBlind(c);
+  if (!c.page.empty()) throw InputError("-o is the page of a blind trial; add --blind KEY");
   VerifyOptions options;
   options.loaded = c.loaded;
   options.calibrate = c.fit.checked();
@@ -76,6 +115,11 @@ void addVerifyCommand(CLI::App& app, int& exitStatus) {
                       "cannot carry are not judged");
   command->add_flag("--roll-back", c->rollBack,
                     "if the correction does not help, make the previously active calibration active again");
+  command->add_option("--blind", c->blind,
+                      "the key of a blind trial that mm plan verify --blind planned: compare its blocks with "
+                      "the correction on and off");
+  command->add_option("-o,--output", c->page, "also write an HTML page (with --blind)");
+  c->files.declare(*command);
   c->store.declare(*command);
   c->fit.declare(*command, false);
   command->footer(
@@ -89,7 +133,8 @@ void addVerifyCommand(CLI::App& app, int& exitStatus) {
       "Examples:\n"
       "  mm plan verify plan.yaml --calibration c.yaml -o verify.yaml\n"
       "  mm verify fresh.bag --calibration c.yaml --loaded --export for_linuxcnc\n"
-      "  mm verify fresh.bag --calibration c.yaml --roll-back");
+      "  mm verify fresh.bag --calibration c.yaml --roll-back\n"
+      "  mm verify trial.bag --calibration c.yaml --blind trial.key.yaml -o trial.html");
   command->callback([c, &exitStatus] { exitStatus = runVerify(*c); });
 }
 

@@ -11,6 +11,7 @@
 #include "tools/commands.h"
 #include "tools/exit_status.h"
 #include "tools/interrupt.h"
+#include "tools/output_files.h"
 #include "tools/session_input.h"
 #include "workbench/access.h"
 #include "workbench/bench.h"
@@ -31,6 +32,13 @@ BenchSources sourcesOf(const std::string& space) {
   sources.readBag = [space](const std::filesystem::path& bag, const ProgressCallback& progress,
                             const Machine* fallback) {
     return readSessionBags(bagPaths(bag.string()), progress, fallback, {space, !space.empty()});
+  };
+  sources.writeBag = [](const Session& session, const std::filesystem::path& file,
+                        const std::vector<MotionSample>& motion, const ProgressCallback& progress) {
+    OutputFiles files;
+    files.bag("output", file.string(), "imported from " + session.rowFile);
+    files.check();
+    files.write(file.string(), session, progress, motion);
   };
   sources.spaceOf = [space](const std::filesystem::path& bag) { return bagSpace(bag.string(), space); };
   sources.packageFolder = packageFolder;
@@ -60,7 +68,9 @@ void addWorkbenchCommand(CLI::App& app, int& exitStatus) {
   auto c = std::make_shared<WorkbenchCommand>();
   CLI::App* command =
       app.add_subcommand("workbench", "Serve the workbench, a page in the browser, until Ctrl-C");
-  c->bags.declare(*command);
+  c->bags.declare(*command,
+                  "the session, or several to evaluate together; without one, import a file on the page");
+  command->get_option("bag")->required(false);
   command->add_option("--calibration", c->calibration,
                       "the calibration to start with (default: a model without effects)");
   command->add_option("--port", c->server.port, "port to listen on; 0: any free port")
@@ -83,6 +93,7 @@ void addWorkbenchCommand(CLI::App& app, int& exitStatus) {
       "Prints the address to open in a browser on this computer, including the access token. A calibration "
       "with an\n"
       "added effect is stored in the folder of calibrations as candidate.\n"
+      "A file that the page imports is written as a bag beside the session's, else into the current folder.\n"
       "Example:\n"
       "  mm workbench plate.bag");
   command->callback([c, &exitStatus] { exitStatus = runWorkbench(*c); });

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/covariance_root.h"
 #include "base/dense.h"
 #include "base/error.h"
 #include "base/format.h"
@@ -191,16 +192,9 @@ void VirtualMachine::addParameters(const Calibration& calibration) {
           "parameter '" + calibration.values[static_cast<std::size_t>(k)].name +
           "' has no finite standard uncertainty: the session did not determine it; remove its effect or "
           "calibrate with a session that determines it (mm check)");
-  // The symmetric root of the correlations: each of its independent variables stays with the parameter that
-  // it resembles most, so that shares are those of CAR scores (Zuber & Strimmer 2011).
-  Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(n, n);
-  for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j < n; ++j)
-      if (i != j && std[i] > 0.0 && std[j] > 0.0)
-        correlation(i, j) = 0.5 * (covariance(i, j) + covariance(j, i)) / (std[i] * std[j]);
-  const SymmetricEigen eigen(correlation);
-  root_ = std.asDiagonal() *
-          (eigen.vectors * eigen.values.cwiseMax(0.0).cwiseSqrt().asDiagonal() * eigen.vectors.transpose());
+  // Each independent variable of the root stays with the parameter that it resembles most, so that shares are
+  // those of CAR scores (Zuber & Strimmer 2011).
+  root_ = rootOfCovariance(covariance);
   for (std::size_t e = 0; e < model.effects().size(); ++e) {
     Source source{Cause::kParameters, {}, 0.0, 0.0, {}};
     const auto index = static_cast<int>(sources_.size());

@@ -35,10 +35,9 @@ void addInputs(const Domain& domain, Session& session) {
 
 /// Where a move measures: the ball and the posture, or the position that is read.
 std::string placeOf(const PlanMove& move, const Machine& machine) {
-  const bool reads = move.kind == MoveKind::kDeviation || move.kind == MoveKind::kPosition;
   std::string place = std::to_string(move.feature) + "/" + std::to_string(move.joint);
   for (std::size_t j = 0; j < move.position.size(); ++j) {
-    if (!reads && machine.joints()[j].kind == JointKind::kLinear) continue;
+    if (!byInstrument(move.kind) && machine.joints()[j].kind == JointKind::kLinear) continue;
     constexpr double kSame = 1e-5;  // m or rad
     place += "/" + std::to_string(std::llround(move.position[j] / kSame));
   }

@@ -12,8 +12,10 @@
 namespace mm {
 namespace {
 
-constexpr double kTold = 0.25;    // a larger standard deviation of a share tells nothing
 constexpr double kCertain = 3.3;  // standard deviations
+/// A larger standard deviation of a share does not tell one state of a correction from half the way to the
+/// next.
+constexpr double kTold = 0.5 / kCertain;
 
 std::string list(const std::vector<std::string>& words) {
   if (words.size() < 2) return words.empty() ? std::string() : words.front();
@@ -235,7 +237,7 @@ std::string inWords(const LoadedHow& hypothesis, const std::vector<std::string>&
 }
 
 std::string inWords(const RemainingShare& share) {
-  if (!(share.std < kTold)) return "not determined by these points";
+  if (!(share.std < kTold)) return "these points cannot tell whether it is corrected";
   const auto near = [&](double value) {
     return std::abs(share.remaining - value) < std::max(kCertain * share.std, 0.05);
   };

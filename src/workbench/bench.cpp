@@ -20,7 +20,9 @@ using namespace std::chrono_literals;
 
 constexpr auto kMoving = 33ms, kWorking = 100ms, kAtRest = 500ms;  // between two states: 30, 10 and 2 Hz
 constexpr std::size_t kMostTasks = 4, kEndedTold = 8;
-const std::string kOpen = "open", kLook = "look";
+constexpr std::size_t kLargestTable = 64 << 20;  // bytes; it stays in memory
+const std::string kOpen = "open", kLook = "look", kFile = "file", kPreview = "preview";
+const char* const kTables[] = {".csv", ".tsv", ".txt", ".log", ".dat", ".asc", ".tpt", ".cfg"};
 // What the report may do within the page: draw itself.
 const char* const kReportPolicy =
     "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
@@ -52,6 +54,21 @@ Json machineJson(const std::vector<Joint>& joints, const LiveMachine::State& s, 
 bool isMotion(const std::string& name) {
   static const std::set<std::string> motions = {"arm", "disarm", "stop", "home", "run", "pause", "continue"};
   return motions.count(name) > 0;
+}
+
+ImportWish wishOf(const RequestBody& body) {
+  ImportWish wish;
+  wish.file = body.number("file");
+  wish.asked = body.number("asked");
+  wish.machine = body.text("machine");
+  wish.urdf = body.text("urdf");
+  wish.artifact = body.text("artifact");
+  wish.artifactOfSession = body.text("artifact_from") == "session";
+  wish.mapping = body.text("mapping");
+  wish.format = body.text("format");
+  wish.compensation = body.text("compensation");
+  wish.output = body.text("output");
+  return wish;
 }
 
 std::string personOf(const std::string& given, const std::string& peer) {
@@ -130,7 +147,7 @@ void Bench::serve(std::deque<Task>& tasks) {
       if (!aside) running_ = task.who;
     }
     Ended ended = carryOut(task, aside);
-    if (task.name != kLook)
+    if (task.name != kLook && task.name != kPreview)
       log_.add(task.who, task.name + ": " + (ended.ok ? "" : "refused: ") + ended.message);
     {
       const std::lock_guard<std::mutex> lock(mutex_);
@@ -178,8 +195,8 @@ WebAnswer Bench::enqueue(std::deque<Task>& tasks, const std::string& name, const
       return WebAnswer::say(409, "'" + job_.state().task + "' runs and " + std::to_string(tasks.size()) +
                                      " tasks wait; wait for them, or cancel");
     const bool another =
-        std::any_of(tasks.begin(), tasks.end(), [](const Task& t) { return t.name == kOpen; });
-    if (name == kOpen && another)  // each waits with its file in memory
+        std::any_of(tasks.begin(), tasks.end(), [&](const Task& t) { return t.name == name; });
+    if ((name == kOpen || name == kFile) && another)  // each waits with its file in memory
       return WebAnswer::say(409, "another file is waiting to be read; send this one again after it is open");
     number = ++numbers_;
     pending_.insert(number);
@@ -227,7 +244,9 @@ WebAnswer Bench::post(const std::string& path, const std::string& query, std::st
 
 WebAnswer Bench::action(const std::string& name, const std::string& json, const std::string& peer) {
   const RequestBody body(json);
-  body.refuseOthers(name, {"who", "client", "effect", "id", "model", "method", "seed", "plan", "controller"});
+  body.refuseOthers(name, {"who", "client", "effect", "id", "model", "method", "seed", "plan", "controller",
+                           "file", "asked", "machine", "urdf", "artifact", "artifact_from", "mapping",
+                           "format", "compensation", "output"});
   const std::string who = personOf(body.text("who"), peer);
   const std::string effect = body.text("effect"), id = body.text("id");
   if (name == "diagnose") return enqueue(name, who, [this] { return work_.diagnose(); });
@@ -246,6 +265,14 @@ WebAnswer Bench::action(const std::string& name, const std::string& json, const 
   if (name == kLook) {
     const std::string plan = body.text("plan");
     return enqueue(looks_, name, who, [this, plan] { return work_.lookAt(plan); });
+  }
+  if (name == kPreview) {
+    const ImportWish wish = wishOf(body);
+    return enqueue(looks_, name, who, [this, wish] { return work_.preview(wish); });
+  }
+  if (name == "import") {
+    const ImportWish wish = wishOf(body);
+    return enqueue(name, who, [this, wish] { return work_.import(wish); });
   }
   if (name == "take_live") return enqueue(name, who, [this] { return work_.openLive(); });
   if (name == "calibrate") {
@@ -286,15 +313,23 @@ WebAnswer Bench::cancel(const std::string& who) {
 WebAnswer Bench::upload(const std::string& query, std::string body, const std::string& peer) {
   const std::string given = queryValue(query, "name"), name = shownFileName(given);
   const std::string kind = lower(given.substr(given.size() - std::min<std::size_t>(4, given.size())));
-  if (kind != ".bag" && kind != ".csv")
-    return WebAnswer::say(415,
-                          "'" + name + "' is neither a bag nor a CSV; the name must end in .bag or .csv");
+  const bool table = std::find(std::begin(kTables), std::end(kTables), kind) != std::end(kTables);
+  if (kind != ".bag" && !table)
+    return WebAnswer::say(
+        415, "'" + name + "' is neither a bag nor a text of measurements; the name must end in .bag, " +
+                 joined({std::begin(kTables), std::end(kTables)}, ", "));
   if (body.empty()) return WebAnswer::say(400, "'" + name + "' is empty");
+  if (table && body.size() > kLargestTable)
+    return WebAnswer::say(413, "'" + name + "' has more than " + std::to_string(kLargestTable >> 20) +
+                                   " MB; import it with mm import, and open the bag");
+  const std::string who = personOf(queryValue(query, "who"), peer);
   const auto content = std::make_shared<std::string>(std::move(body));
-  return enqueue(kOpen, personOf(queryValue(query, "who"), peer), [this, content, name, kind] {
+  if (table)
+    return enqueue(looks_, kFile, who, [this, content, name] { return work_.receive(name, content); });
+  return enqueue(kOpen, who, [this, content, name, kind] {
     const TemporaryFile file(kind, *content);
     std::string().swap(*content);
-    return kind == ".bag" ? work_.open(file.path(), name) : work_.importTable(file.path(), name);
+    return work_.open(file.path(), name);
   });
 }
 

@@ -9,7 +9,6 @@
 #include "design/moves.h"
 #include "effects/effect_words.h"
 #include "effects/registry.h"
-#include "import/import_file.h"
 #include "model/observed_domain.h"
 #include "report/json.h"
 #include "session/joined.h"
@@ -50,7 +49,8 @@ BenchWork::BenchWork(BenchOptions options, BenchSources sources, Documents& docu
 }
 
 const Session& BenchWork::session() const {
-  if (!session_) throw InputError("no session is open; drop a bag onto the page, or measure a plan");
+  if (!session_)
+    throw InputError("no session is open; import a file, drop a bag onto the page, or measure a plan");
   return *session_;
 }
 
@@ -79,7 +79,7 @@ std::string BenchWork::begin() {
       return e.what();  // what is measured from now on can be taken later
     }
   }
-  throw InputError("no session is named; mm workbench session.bag");
+  return "no session is open";
 }
 
 void BenchWork::take(Session session, const std::string& shownAs) {
@@ -91,10 +91,10 @@ void BenchWork::take(Session session, const std::string& shownAs) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     domain_ = std::make_shared<const Domain>(observedDomain(*taken));
+    session_ = std::move(taken);
   }
   earlier_ = {};
   forget({"points", "compare", "diagnosis", "moves", "report", "verify"});
-  session_ = std::move(taken);
   shownAs_ = shownAs;
   showMachine(session_->machine);
   job_.step("checking the point set", 0.0);
@@ -126,32 +126,23 @@ void BenchWork::forget(std::initializer_list<const char*> documents) {
 }
 
 std::string BenchWork::open(const std::filesystem::path& bag, const std::string& shownAs) {
+  return openBag(bag, shownAs, bag.filename() != shownAs ? UrdfOrigin::kSent : UrdfOrigin::kThisComputer);
+}
+
+std::string BenchWork::openBag(const std::filesystem::path& bag, const std::string& shownAs,
+                               UrdfOrigin origin) {
   const std::optional<Machine> fallback =
       calibration_ ? std::optional<Machine>(Machine(calibration_->urdf, calibration_->machineName))
                    : std::nullopt;
   Session session = sources_.readBag(
       bag, [this](double share) { job_.step("reading the bag", share); }, fallback ? &*fallback : nullptr);
   space_ = sources_.spaceOf(bag);
-  const bool sent = bag.filename() != shownAs;
-  if (sent) session.source = shownAs;  // the file will be gone
-  origin_ = sent ? UrdfOrigin::kSent : UrdfOrigin::kThisComputer;
+  if (bag.filename() != shownAs) session.source = shownAs;  // the file will be gone
+  origin_ = origin;
   take(std::move(session), shownAs);
   const std::string loss = lossText(*session_);
   return shownAs + ": " + std::to_string(session_->observations.size()) + " observations" +
          (loss.empty() ? "" : "; " + loss);
-}
-
-std::string BenchWork::importTable(const std::filesystem::path& file, const std::string& shownAs) {
-  ImportRequest request;
-  request.file = file;
-  Imported imported;
-  const Session& like = session();  // its machine and artifact are those of the table
-  importFile(request, like.machine, &like.artifact, imported,
-             [this](double share) { job_.step("reading the table", share); });
-  const std::string how = imported.how;
-  imported.session->source = shownAs;
-  take(std::move(*imported.session), shownAs);
-  return shownAs + ": " + std::to_string(session_->observations.size()) + " observations; " + how;
 }
 
 std::string BenchWork::openLive(bool beside) {

@@ -11,6 +11,7 @@
 #include "calibration_file/calibration_store.h"
 #include "diagnosis/diagnose.h"
 #include "estimation/calibrate.h"
+#include "import/import_preview.h"
 #include "session/progress.h"
 #include "workbench/documents.h"
 #include "workbench/live_machine.h"
@@ -26,6 +27,10 @@ struct BenchSources {
   /// A session's bag. @param fallback machine of a bag that has none; may be null.
   std::function<Session(const std::filesystem::path&, const ProgressCallback&, const Machine* fallback)>
       readBag;
+  /// Writes a session that was imported. @param file that does not exist yet.
+  std::function<void(const Session&, const std::filesystem::path& file, const std::vector<MotionSample>&,
+                     const ProgressCallback&)>
+      writeBag;
   /// Namespace of the nodes that measured a bag; empty: none.
   std::function<std::string(const std::filesystem::path&)> spaceOf;
   /// Where the meshes are that a machine's URDF names by a package; empty: no package is known.
@@ -34,10 +39,22 @@ struct BenchSources {
 
 /// What `mm workbench` is started with.
 struct BenchOptions {
-  std::filesystem::path bag, calibration;     // empty: none
-  std::filesystem::path store;                // empty: the machine's own folder of calibrations
-  unsigned threads = 0;                       // 0: all cores
+  std::filesystem::path bag, calibration;  // empty: none
+  std::filesystem::path store;             // empty: the machine's own folder of calibrations
+  std::filesystem::path folder;            // of imported bags; empty: that of the bag, else the current one
+  unsigned threads = 0;                    // 0: all cores
   std::chrono::milliseconds heartbeat{1000};  // without one for so long, the machine is stopped
+};
+
+/// How a page wants the file read that it sent. Texts of files, never their paths.
+struct ImportWish {
+  std::uint64_t file = 0, asked = 0;  // number of the file; number that the page gives the preview
+  std::string machine, urdf;          // a name; empty: as in hand. urdf not empty: that machine
+  std::string artifact;               // YAML; empty: none, or
+  bool artifactOfSession = false;     // that of the session in hand
+  std::string mapping, format;        // as `mm import` takes them; empty: none
+  std::string compensation;           // "none", or empty: not stated
+  std::string output;                 // name of the bag
 };
 
 /// The loop on one session: what `mm` does from one command to the next, with what it needs kept. Every task
@@ -52,8 +69,14 @@ class BenchWork {
   std::string begin();  ///< opens what the options name
   /// Another session's bag. @param shownAs its name for people.
   std::string open(const std::filesystem::path& bag, const std::string& shownAs);
-  /// A table of measurements of the same machine and artifact.
-  std::string importTable(const std::filesystem::path& file, const std::string& shownAs);
+  /// From any thread: takes a file of measurements, which `preview` and `import` read. @throw InputError: it
+  /// is no text.
+  std::string receive(const std::string& name, std::shared_ptr<const std::string> content);
+  /// From any thread: publishes what the file would become; a file that is refused is shown with its faults.
+  std::string preview(const ImportWish& wish);
+  /// Writes what the file became into the folder of imported bags, and opens it. @throw InputError too: its
+  /// name is no plain one, or is taken.
+  std::string import(const ImportWish& wish);
   /// What the machine has measured so far. @param beside with the session in hand, as moves that its
   /// diagnosis proposed.
   std::string openLive(bool beside = false);
@@ -85,6 +108,20 @@ class BenchWork {
                            const std::string& start) const;
 
  private:
+  struct ImportFile {
+    std::uint64_t number = 0;
+    std::string name;
+    std::shared_ptr<const std::string> content;
+  };
+  std::shared_ptr<const Session> opened() const;  // from any thread
+  std::filesystem::path importFolder() const;
+  std::filesystem::path bagFor(const std::string& output) const;
+  std::string freeBagName(const std::string& file) const;
+  ImportFile fileOf(const ImportWish& wish) const;
+  Machine machineOf(const ImportWish& wish, const Session* like) const;
+  ImportPreview read(const ImportWish& wish, const ImportFile& file, const Machine& machine,
+                     const Session* like, const ProgressCallback& progress) const;
+  std::string openBag(const std::filesystem::path& bag, const std::string& shownAs, UrdfOrigin origin);
   using Change = Recalibration (*)(const Session&, const Calibration&, const EffectSpec&,
                                    const CalibrateOptions&);
   std::string change(const std::string& effect, Change change, const char* done);
@@ -107,7 +144,6 @@ class BenchWork {
   Documents& documents_;
   Job& job_;
   LiveMachine* live_;
-  std::shared_ptr<const Session> session_;
   std::string shownAs_, space_;
   UrdfOrigin origin_ = UrdfOrigin::kThisComputer;  // of the session's machine
   std::string drawnUrdf_;                          // whose meshes are published
@@ -116,7 +152,9 @@ class BenchWork {
   bool kept_ = false;
   EarlierResiduals earlier_;
   std::optional<CalibrationStore> store_;
-  mutable std::mutex mutex_;                // guards the next
+  mutable std::mutex mutex_;  // guards the next; the working thread alone writes session_
+  std::shared_ptr<const Session> session_;
+  ImportFile file_;                         // that was sent to be imported
   std::shared_ptr<const Domain> domain_;    // of the session
   std::shared_ptr<const Machine> machine_;  // that is shown
 };

@@ -11,10 +11,10 @@ const char* const kScript = "text/javascript; charset=utf-8";
 const char* const kStyle = "text/css; charset=utf-8";
 
 // The page's own modules; every other module is a library.
-const char* const kModules[] = {"main.js",    "server.js",  "parts.js",   "units.js",   "chart.js",
-                                "scatter.js", "machine.js", "session.js", "compare.js", "diagnose.js",
-                                "ledger.js",  "correct.js", "measure.js", "plan.js",    "heat.js",
-                                "history.js", "picture.js"};
+const char* const kModules[] = {"main.js",     "server.js",  "parts.js",   "units.js",   "chart.js",
+                                "scatter.js",  "machine.js", "import.js",  "session.js", "compare.js",
+                                "diagnose.js", "ledger.js",  "correct.js", "measure.js", "plan.js",
+                                "heat.js",     "history.js", "picture.js"};
 
 struct Library {
   const char *file, *key;

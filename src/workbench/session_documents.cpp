@@ -169,7 +169,9 @@ void addTouch(Columns& columns, const Rows& rows) {
 
 void addLogged(Columns& columns, const Rows& rows) {
   const Session& session = rows.session();
-  columns.add("time", "s", kTimeStep, [&](std::size_t r) { return rows.observation[r]->time; });
+  columns.add("time", "s", kTimeStep, [&](std::size_t r) {
+    return session.timed(*rows.observation[r]) ? rows.observation[r]->time : kNotMeasured;
+  });
   for (const Series& s : session.temperatures)
     columns.add("temperature " + s.name, "degC", kTemperatureStep,
                 [&](std::size_t r) { return s.at(rows.observation[r]->time); });

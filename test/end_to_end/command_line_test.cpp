@@ -2,6 +2,7 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 
+#include <map>
 #include <thread>
 
 #include "session_folder.h"
@@ -163,6 +164,19 @@ TEST_F(CommandLine, ANewPlanForAnInstrumentStaysWithinTheTravels) {
   ASSERT_EQ(answer.status, 0) << answer.error;
   EXPECT_EQ(answer.json()["references"], 3 * 7 * 2 * 2);
   expectRefused("plan new --machine three_axis --positions 9 -o axes.yaml", {"axes.yaml", "--force"});
+}
+
+TEST_F(CommandLine, EveryTestOfAStandardIsPlannedAndSimulated) {
+  const std::map<std::string, int> references = {{"positioning", 550}, {"etve", 289},      {"spindle", 61},
+                                                 {"linear", 549},      {"rotary", 122},    {"circular", 219},
+                                                 {"rotation", 300},    {"diagonal", 1100}, {"length", 210}};
+  for (const auto& [test, count] : references) {
+    run("plan new --machine five_axis --test " + test + " -o " + test + ".yaml");
+    run("simulate --machine five_axis --plan " + test + ".yaml -o " + test + ".bag");
+    const Answer answer = typed("check " + test + ".bag --json");
+    EXPECT_EQ(answer.status, 0) << test << ": " << answer.error;
+    EXPECT_EQ(answer.json()["references"], count) << test;
+  }
 }
 
 TEST_F(CommandLine, ANewPlanTakesAnArtifact) {

@@ -84,10 +84,10 @@ def ranges(text):
         if title:
             section = title.group(1) or title.group(2)
         cells = [cell.strip() for cell in line.split("|")[1:-1]]
-        if len(cells) != 5:
+        if len(cells) != 4:
             continue
         keys = [key.split(": ")[-1] for key in re.findall(r"`([^`<]+)`", cells[0])]
-        for bound in cells[3].split(", "):
+        for bound in cells[2].split(", "):
             numbers = re.fullmatch(r"(-?[\d.e]+) to (-?[\d.e]+)", bound)
             outside = None
             if numbers:
@@ -97,7 +97,7 @@ def ranges(text):
             elif bound == "above 0":
                 outside = 0
             if outside is not None:
-                each = keys if len(cells[3].split(", ")) == 1 else [keys[cells[3].split(", ").index(bound)]]
+                each = keys if len(cells[2].split(", ")) == 1 else [keys[cells[2].split(", ").index(bound)]]
                 found += [(section, key, outside) for key in each]
     return found
 
@@ -200,6 +200,16 @@ def try_settings():
     say(not wrong, "options that the documents name exist", "; ".join(wrong))
 
 
+def try_topics():
+    """Every topic that a node publishes stands in docs/services.md."""
+    page, published = text_of("docs/services.md"), set()
+    for name in os.listdir(os.path.join(ROOT, "src", "nodes")):
+        if name.endswith(".cpp"):
+            published |= set(re.findall(r'advertise<[\w:]+>\(\s*"([^"]+)"', text_of(os.path.join("src/nodes", name))))
+    wrong = [topic for topic in sorted(published) if not re.search("/" + re.escape(topic.strip("/")) + "[`/]", page)]
+    say(len(published) > 15 and not wrong, "docs/services.md: every topic of the nodes", ", ".join(wrong))
+
+
 def main():
     work = tempfile.mkdtemp()
     try:
@@ -215,14 +225,20 @@ def main():
         for name in ("config", "examples"):
             os.symlink(os.path.join(ROOT, name), os.path.join(work, name))
         try_typed("README.md", folder)
+        done = run(f"{ROOT}/scripts/loop_picture . --check", folder)
+        say(done.returncode == 0, "docs/loop.svg: its figures are those of the lines of README.md", done.stderr.strip()[-300:])
         folder = os.path.join(work, "build", "find")
         os.makedirs(folder)
         try_typed("docs/find_a_missing_effect.md", folder)
+        folder = os.path.join(work, "build", "standard")
+        os.makedirs(folder)
+        try_typed("docs/standard_tests.md", folder)
         tutorials = sorted(os.listdir(os.path.join(ROOT, "docs", "tutorials")))
         try_pages(["docs/monday.md"] + ["docs/tutorials/" + name for name in tutorials], work)
         try_links()
         try_messages()
         try_settings()
+        try_topics()
     finally:
         shutil.rmtree(work)
 

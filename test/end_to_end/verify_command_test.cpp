@@ -102,5 +102,30 @@ TEST_F(VerifyCommandTest, knowsWhatWasExported) {
   EXPECT_NE(other.error.find("was made of calibration"), std::string::npos) << other.error;
 }
 
+TEST_F(VerifyCommandTest, aBlindTrialIsPlannedMeasuredAndOpened) {
+  const std::string two = " --calibration " + folder_ / "two.yaml", trial = folder_ / "trial",
+                    key = trial + ".key.yaml", table = folder_ / "table.csv";
+  run("plan verify config/demo_plan.yaml" + two +
+      " --blind --blocks 6 --seed 5 --touches 4 --switch-on M1 --switch-off M2 -o " + trial + ".yaml");
+  EXPECT_NE(textOf(trial + ".A.txt"), textOf(trial + ".B.txt"));
+  EXPECT_EQ(textOf(trial + ".yaml").find("M1"), std::string::npos);
+  const Answer again =
+      mmRun(folder_, "plan verify config/demo_plan.yaml" + two + " --blind -o " + trial + ".yaml");
+  EXPECT_EQ(again.status, 2) << "the key of a trial that may have been measured";
+  run("apply --table 5" + two + " -o " + table);
+  run("simulate --machine three_axis --plan " + trial + ".yaml --seed 6 --correction " + table + " --key " +
+      key + " -o " + trial + ".bag");
+  const Answer helps =
+      mmRun(folder_, "verify " + trial + ".bag" + two + " --blind " + key + " --json -o " + trial + ".html");
+  ASSERT_EQ(helps.status, 0) << helps.out << helps.error;
+  EXPECT_EQ(helps.json()["verdict"], "helped");
+  EXPECT_NEAR(helps.json()["gain"]["value"].get<double>(), 1.0, 0.1);
+  EXPECT_EQ(helps.json()["blocks"].size(), 6U);
+  EXPECT_NE(textOf(trial + ".html").find("It helped"), std::string::npos);
+  const Answer fresh = mmRun(folder_, "verify " + fresh_ + two + " --blind " + key);
+  EXPECT_EQ(fresh.status, 2);
+  EXPECT_NE(fresh.error.find("no block of a blind trial"), std::string::npos) << fresh.error;
+}
+
 }  // namespace
 }  // namespace mm

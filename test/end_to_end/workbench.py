@@ -17,7 +17,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 from browser import Browser  # noqa: E402
 
 MM = os.environ["MM"]
-VIEWS = ["session", "compare", "diagnose", "ledger", "correct", "measure", "heat", "history"]
+VIEWS = ["import", "session", "compare", "diagnose", "ledger", "correct", "measure", "heat", "history"]
 LONG = os.environ.get("MM_LONG_TESTS", "0") not in ("", "0")
 
 
@@ -30,9 +30,9 @@ def mm(*arguments):
 
 
 class Workbench:
-    def __init__(self, *arguments):
+    def __init__(self, *arguments, cwd=None):
         self.process = subprocess.Popen([MM, "workbench"] + list(arguments), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                                        stderr=subprocess.PIPE, text=True)
+                                        stderr=subprocess.PIPE, text=True, cwd=cwd)
         self.errors = []
         threading.Thread(target=lambda: self.errors.extend(self.process.stderr), daemon=True).start()
         self.url = self.process.stdout.readline().strip()
@@ -250,10 +250,42 @@ def units(browser):
 
 def keys(browser):
     browser.evaluate("document.body.focus()")
-    for key, view in (("3", "Diagnose"), ("8", "History"), ("2", "Compare")):
+    for key, view in (("4", "Diagnose"), ("9", "History"), ("3", "Compare")):
         browser.command("Input.dispatchKeyEvent", type="keyDown", key=key, text=key)
         browser.command("Input.dispatchKeyEvent", type="keyUp", key=key)
         check("key %s: %s" % (key, view), browser.wait("document.querySelector('main').getAttribute('aria-label') === %s" % json.dumps(view)))
+
+
+def imported(folder):
+    """A file is dropped where no session is open: what was understood is shown, a question is answered, the bag is written and opened."""
+    work = os.path.join(folder, "imported")
+    os.makedirs(work)
+    bench = Workbench("--store", os.path.join(folder, "store_imported"), cwd=work)
+    drop = """(() => { const d = new DataTransfer(); d.items.add(new File([%s], %s));
+        dispatchEvent(new DragEvent("drop", { dataTransfer: d, bubbles: true, cancelable: true })); return true; })()"""
+    change = """(() => { const s = document.getElementById(%s); s.value = %s; s.dispatchEvent(new Event("change", { bubbles: true })); return true; })()"""
+    try:
+        with Browser() as browser:
+            browser.open(bench.url)
+            check("without a session a file is asked for", "drop it onto the page" in browser.wait("document.querySelector('main .lead') && document.querySelector('main').innerText"))
+            with open("examples/import/iso230_2_x.csv") as f:
+                text = f.read()
+            browser.evaluate(drop % (json.dumps(text.replace("Deviations in um", "")), json.dumps("x.csv")))
+            browser.wait("location.hash === '#import' && document.getElementById('import-machine') && true")
+            browser.evaluate(change % ('"import-machine"', '"three_axis"'))
+            said = browser.wait("document.querySelector('main .warning') && document.querySelector('main .warning').innerText.includes('unit of the deviations') && document.querySelector('main .warning').innerText")
+            check("what the file does not say is asked", "x.csv" in said and browser.evaluate("document.querySelector('button.primary').disabled"), said)
+            browser.evaluate(change % ('"ask-unit-"', '"um"'))
+            rows = browser.wait("""(() => { const t = [...document.querySelectorAll('main table')]; return t.length === 2 && !document.querySelector('button.primary').disabled &&
+                                 t.map((x) => x.innerText); })()""")
+            check("each column is shown as it was understood", "run 1, upwards\tµm" in rows[0] and "-18,000" in rows[1], rows)
+            check("nothing is written before it is wanted", os.listdir(work) == [], os.listdir(work))
+            browser.click("Import", "document.querySelector('#import-output').closest('section')")
+            opened = browser.wait("location.hash === '#session' && document.querySelector('.opened').innerText.startsWith('x.bag') && document.querySelector('.opened').innerText")
+            check("the bag is written and opened", os.listdir(work) == ["x.bag"] and opened == "x.bag, machine three_axis", (os.listdir(work), opened))
+            check("no error on the page while importing", not browser.errors, browser.errors[:3])
+    finally:
+        bench.stop()
 
 
 def many_contacts(folder):
@@ -320,6 +352,7 @@ def main():
             status = bench.stop()
         check("Ctrl-C ends it with status 0 or 130", status in (0, 130), status)
         check("it said nothing on standard error", not bench.errors, bench.errors)
+        imported(folder)
         many_contacts(folder)
 
 

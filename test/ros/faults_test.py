@@ -285,6 +285,12 @@ class Faults(unittest.TestCase):
         x, y, z = candidates.of("probe_tip_candidate")[stamp]
         self.assertEqual((x, y), (0.005, 0.003))
         self.assertAlmostEqual(z, 0.001 * (1 + support.scale(other.json, "z")), delta=1e-12)
+        self.joints.send((math.nan, 0.003, 0.001))
+        self.assertTrue(support.wait_until(lambda: "joint x" in self.statuses.last().candidate_message))
+        self.use(other)
+        self.joints.send((math.nan, 0.003, 0.001))
+        self.assertTrue(support.wait_until(lambda: "joint x" in self.statuses.last().message and not self.statuses.last().candidate_id))
+        self.assertEqual(self.statuses.last().candidate_message, "", "there is no candidate of which to say it")
 
     def test_requests_that_cannot_be_answered(self):
         missing = service("calibrate", Calibrate, bag="/nowhere/s.bag", model=support.model("{type: scale, axis: x}"))
@@ -311,8 +317,11 @@ class Faults(unittest.TestCase):
     def test_the_loop_by_service(self):
         first = service("calibrate", Calibrate, bag=self.bag, method="least_squares", model=support.model("{type: scale, axis: x}", "{type: scale, axis: y}"))
         self.assertTrue(first.success, first.message)
+        self.assertRegex(first.message, r"RMS [0-9.]+ um -> [0-9.]+ um, held out [0-9.]+ um; repeatability ")
+        self.assertIn('next: rosservice call /calibration_server/diagnose "{bag: \'%s\'}"' % self.bag, first.message)
         compared = service("compare", Compare, bag=self.bag)
         self.assertTrue(compared.success, compared.message)
+        self.assertRegex(compared.message, r"RMS [0-9.]+ um -> [0-9.]+ um")
         added = service("add_effect", AddEffect, effect="{type: squareness, axis: x, of: y}")
         self.assertTrue(added.success, added.message)
         value, unit = support.parameter(added.json, "squareness", axis="x")
@@ -321,6 +330,9 @@ class Faults(unittest.TestCase):
         removed = service("remove_effect", RemoveEffect, effect="{type: squareness, axis: x, of: y}")
         self.assertTrue(removed.success, removed.message)
         self.assertAlmostEqual(support.scale(removed.json, "x"), support.scale(first.json, "x"), delta=1e-9)
+        never = service("rollback", Rollback, calibration_id=first.calibration_id)
+        self.assertFalse(never.success)
+        self.assertIn("was never active", never.message)
         again = service("rollback", Rollback)
         self.assertFalse(again.success and not again.message)
 

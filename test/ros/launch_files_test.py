@@ -67,6 +67,24 @@ class LaunchFiles(unittest.TestCase):
                                         "%s: no %s/%s" % (file, node.package, node.type))
         self.assertGreater(read_ones, 80)
 
+    def test_every_argument_is_explained(self):
+        for file in FILES:
+            for name, argument in arguments(file).items():
+                self.assertTrue(argument.get("doc"), "%s: %s has no doc" % (file, name))
+
+    def test_nominal_frames_are_fifty_a_second_of_the_wall(self):
+        for name in ("instrument", "workbench"):
+            for given, rate in (({}, 50), ({"time_factor": "10"}, 50), ({"time_factor": "10", "clock": "true"}, 5)):
+                config = read(os.path.join(support.PACKAGE, "launch", name + ".launch"), **given)
+                self.assertAlmostEqual(config.params["/robot_state_publisher/publish_frequency"].value, rate, msg=(name, given))
+
+    def test_nodes_know_whether_they_are_started_again(self):
+        for name, given in (("instrument", {}), ("workbench", {}), ("workbench", {"instrument": "false"}), ("replay", {})):
+            config = read(os.path.join(support.PACKAGE, "launch", name + ".launch"), **given)
+            self.assertIs(config.params["/respawn"].value, True, name)
+        demo = read(os.path.join(support.PACKAGE, "launch/demo.launch"))
+        self.assertIs(demo.params["/respawn"].value, False)
+
     def test_roslaunch_check(self):
         for file in FILES:
             self.assertIsNone(check_roslaunch(file, ignore_unset_args=True), file)

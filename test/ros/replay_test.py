@@ -36,9 +36,17 @@ class Replay(unittest.TestCase):
 
     def test_1_replay_and_mm_agree_to_the_bit(self):
         port, said = self.start("rate:=25")
-        self.assertTrue(said.says("finished cleanly", 60), str(said))
+        self.assertTrue(said.says("has been played", 60), str(said))
         found, message = support.calibrate_live(port, MODEL)
         self.assertEqual(support.figures(found), support.figures(self.by_mm), message)
+
+    def test_3_a_bag_that_is_not_there_ends_the_launch(self):
+        missing = os.path.join(self.folder, "none.bag")
+        replay = support.launch(support.free_port(), "replay.launch", "bag:=" + missing)
+        self.addCleanup(support.stop, replay)
+        said = support.Output(replay)
+        self.assertTrue(said.ends(90), str(said))
+        self.assertEqual(said.count("replay: %s: there is no such file" % missing), 1, str(said))
 
     def test_2_a_replay_in_a_loop(self):
         """The clock goes back at every turn: the live session begins anew, frames go on."""

@@ -28,7 +28,7 @@ function Export() {
   const controllers = catalogue ? catalogue.controllers : [];
   if (!controllers.length) return null;
   const controller = chosen || controllers[0].name;
-  return h(Section, { title: "Export", lead: "The calibration in hand as the tables of a controller, with what to load where and what of it the controller carries (mm export)." },
+  return h(Section, { title: "Export", lead: "The calibration in hand as the tables of a controller, with what to install where and what of it the controller carries (mm export)." },
     h("p", { class: "controls" }, h(Choice, { id: "controller", label: "Controller", value: controller, options: controllers.map((t) => [t.name, t.title]), onChange: choose }),
       h(Action, { label: "Export", run: () => act("export", { controller }) }), exported ? h("a", { class: "button", href: downloadAddress("export"), download: "" }, "Keep the export") : null));
 }

@@ -99,10 +99,14 @@ export function DiagnoseView() {
   const unit = unitOfSuffix(suffixOf(d)), n = d.observations;
   const [first, ...rest] = said(d.sentence).split(/(?<=\.) (?=[A-Z])/);
   const byOdds = d.candidates.filter((c) => !d.missing.some((m) => yamlOf(m.effect) === yamlOf(c.effect)));
+  const named = d.missing.filter((m) => !m.one_of_several), several = d.missing.filter((m) => m.one_of_several);
+  const cards = (found) => found.map((m) => h(Card, { key: yamlOf(m.effect), found: m, unit, observations: n, first: m === (named[0] || several[0]) }));
   const key = "held_out_rms_" + unit, varies = d.variations || [], nearly = varies.length && d.verdict === "explained";
   return h("div", null,
     h("div", { class: "verdict " + (nearly ? "scatter" : d.verdict), role: "status" }, h("div", { class: "badge" }, nearly ? "Not the same everywhere" : kVerdicts[d.verdict] || d.verdict), h("p", { class: "sentence" }, first), rest.map((r) => h("p", { key: r }, r)), h("p", { class: "note" }, again)),
-    d.missing.length ? h(Section, { title: d.verdict === "confusable" ? "Named, not separated" : "Missing", action: h(Action, { label: "Add all until nothing is missing", run: () => act("add_all") }) }, d.missing.map((m, i) => h(Card, { key: yamlOf(m.effect), found: m, unit, observations: n, first: i === 0 }))) : null,
+    named.length ? h(Section, { title: "Missing", action: h(Action, { label: "Add all until nothing is missing", run: () => act("add_all") }) }, cards(named)) : null,
+    several.length ? h(Section, { title: "One of several acts", lead: "These data do not tell which: the most probable first, its rivals with their odds." }, cards(several)) : null,
+    d.possible.length ? h(Section, { title: "Not established, and not excluded" }, d.possible.map((p) => h("p", { key: yamlOf(p.effect) }, h("b", null, withSymbol(p)), ", odds " + p.odds_in_words + (p.shown_by ? "; would show it: " + said(p.shown_by) : "")))) : null,
     d.profiles.length || d.formulas.length ? h(Section, { title: "What no effect of the catalogue explains" }, d.profiles.map((p) => h(Profile, { key: yamlOf(p.effect), found: p, observations: n, unit })),
       d.formulas.map((f) => { const yaml = yamlOf(Object.assign({ type: "formula" }, Object.fromEntries(Object.entries(f).filter(([k]) => ["direction", "formula", "start"].includes(k))))); return h("div", { class: "card", key: yaml }, h("div", { class: "heading" }, h("h3", null, "The same as a formula: ", h("code", null, f.formula)), h(Action, { label: "Add", run: () => addAndAsk(yaml) })), f[key] ? h("p", null, "Held-out RMS " + rms(f[key][0], n, unit) + " → " + rms(f[key][1], n, unit) + " (k\u00a0=\u00a02)") : null); })) : null,
     varies.length ? h(Section, { title: "Not the same everywhere", lead: "What is left of effects that are in the model with one size, or one shape." }, varies.map((v) => h("div", { class: "card", key: v.in_words + v.along },

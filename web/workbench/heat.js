@@ -44,8 +44,8 @@ function Drift({ points }) {
   }, [points]);
   if (classes.length < 3) return h(Empty, null, "Too few measurements to see a drift.");
   const of = (f) => classes.map((b) => f(b) * factor);
-  const make = (c) => curveWithBand(c, { x: classes.map((b) => b.at), y: of((b) => b.mean), half: of((b) => b.half), xLabel: "time, h", yLabel: "mean residual (measured \u2212 model), " + unitOf(points.unit) });
-  return h("figure", null, h(Chart, { make, inputs: [classes, factor], label: "Mean residual of " + classes.length + " classes of time with their bands" }), h("figcaption", null, "Mean of each class ± 2 standard errors: a mean away from zero that stays away is a drift that the model does not know."));
+  const make = (c) => curveWithBand(c, { x: classes.map((b) => b.at), y: of((b) => b.mean), half: of((b) => b.half), xLabel: "time, h", yLabel: "mean residual, " + unitOf(points.unit) });
+  return h("figure", null, h(Chart, { make, inputs: [classes, factor], label: "Mean residual of " + classes.length + " classes of time with their bands" }), h("figcaption", null, "Mean of measured \u2212 model in each class ± 2 standard errors: a mean away from zero that stays away is a drift that the model does not know."));
 }
 
 /** The sensors that the model uses. */

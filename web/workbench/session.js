@@ -2,8 +2,9 @@
 
 import { h } from "preact";
 import { useMemo } from "preact/hooks";
-import { act, state, upload, useDocument } from "./server.js";
+import { act, state, useDocument } from "./server.js";
 import { Action, Empty, Section, Table, Tile, Tiles } from "./parts.js";
+import { FilePicker, ImportView } from "./import.js";
 import { Space, diverging } from "./machine.js";
 import { rangeOf } from "./scatter.js";
 import { text, unitOf, value } from "./units.js";
@@ -21,14 +22,6 @@ export function residualPoints(points, which) {
   return { at, colours, limit };
 }
 
-export const FilePicker = ({ label }) => h("label", { class: "button" }, label, h("input", { type: "file", accept: ".bag,.csv", class: "hidden", onChange: (e) => { if (e.target.files[0]) sendFile(e.target.files[0]); e.target.value = ""; } }));
-
-/** Sends a dropped or chosen file; what became of it stands in the line of messages. */
-export async function sendFile(file) {
-  dispatchEvent(new CustomEvent("mm-said", { detail: { ok: true, message: file.name + " is being read" } }));
-  dispatchEvent(new CustomEvent("mm-said", { detail: await upload(file) }));
-}
-
 const range = (j) => { const unit = "lower_deg" in j ? "deg" : "mm"; return num(value(j["lower_" + unit], unit), 4) + " … " + num(value(j["upper_" + unit], unit), 4) + " " + unitOf(unit); };
 
 export function SessionView() {
@@ -41,7 +34,7 @@ export function SessionView() {
   const readings = useMemo(() => (live ? live.readings : null), [live && JSON.stringify(live.readings)]);
   if (!session && newer) return h("div", null, h(Tiles, null, h(Tile, { label: "On the machine", value: String(live.observations), note: live.measuring || "not measuring" })),
     h(Section, { title: "Contacts as they come", action: h(Action, { label: "Take the live session", kind: "primary", run: () => act("take_live") }) }, h(Space, { points: coming, label: live.observations + " contacts of the live session", note: "Nominal tips of the contacts so far." })));
-  if (!session) return h(Empty, null, live ? ["Nothing is measured yet. ", h(Action, { label: "Take what the machine has measured", run: () => act("take_live") })] : "No session is open. Drop a bag onto the page.");
+  if (!session) return live ? h(Empty, null, ["Nothing is measured yet. ", h(Action, { label: "Take what the machine has measured", run: () => act("take_live") })]) : h(ImportView);
   const p = session.point_set;
   const notes = [session.loss, session.assumed, ...(p.doubts || [])].filter(Boolean);
   const questions = (p.questions || []).map((q) => q.question || q);

@@ -49,6 +49,18 @@ TEST_F(Store, isEmptyWithoutAFolder) {
   EXPECT_THROW(store_.rollback(), InputError);
 }
 
+TEST_F(Store, NothingLeadsBackToWhatWasNeverActive) {
+  add(1e-6);
+  const std::string active = store_.promote(), never = add(2e-6);
+  try {
+    store_.rollback(never);
+    ADD_FAILURE() << "it was never active";
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("was never active"), std::string::npos) << e.what();
+  }
+  EXPECT_EQ(store_.linked("active"), active);
+}
+
 TEST_F(Store, keepsPromotesAndRollsBack) {
   const std::string first = add(1e-6);
   EXPECT_FALSE(store_.active().calibration.has_value());

@@ -8,10 +8,12 @@
 #include <fstream>
 #include <iterator>
 
+#include "deviations.h"
 #include "effects/registry.h"
 #include "long_tests.h"
 #include "model/observed_domain.h"
 #include "posterior/slots.h"
+#include "random_numbers.h"
 #include "simulation/simulate.h"
 
 namespace mm {
@@ -145,6 +147,38 @@ TEST(Diagnose, AnExpansionThatIsNotUsualIsNamedWhereTheTemperatureTells) {
   EXPECT_EQ(d.missing[0].effect.type, "thermal_expansion") << d.sentence;
   EXPECT_EQ(d.missing[0].effect.text("sensor"), "bed") << d.sentence;
   EXPECT_NEAR(d.missing[0].parameters[0].value, 120.0, 3.0 * d.missing[0].parameters[0].std) << d.sentence;
+  EXPECT_NE(d.sentence.find("is more than parts have"), std::string::npos) << d.sentence;
+}
+
+// A screw that its own running warms, and the air beside it, which happens to rise a little: the growth is of
+// the screw, which no sensor tells.
+TEST(Diagnose, AScrewThatWarmsByRunningIsNotTheAir) {
+  Session session(Machine::load("three_axis"));
+  session.artifact.repeatability = kNoise;
+  test_support::RandomNumbers random(7);
+  session.temperatures.push_back({"air", "degC", {}, {}});
+  double time = 0.0;
+  for (int run = 0; run < 5; ++run)
+    for (const double way : {1.0, -1.0}) {
+      for (int i = 0; i < 26; ++i) {
+        const double x = way > 0.0 ? 20e-3 * i : 0.5 - 20e-3 * i;
+        time += 9.0;
+        const double warmed = 18e-6 * -std::expm1(-time / 1200.0);
+        session.observations.push_back(test_support::deviationOfX(
+            x, way * 5e-3, time, warmed * (x - 0.04) - way * 1.25e-6 + random.normal(kNoise)));
+        session.temperatures[0].time.push_back(time);
+        session.temperatures[0].value.push_back(20.3 + 0.2 * std::sin(time / 1500.0));
+      }
+      time += 30.0;
+    }
+  session.prepare();
+  const Diagnosis d = diagnosed(session);
+  bool told = false;
+  for (const CandidateResult& m : d.missing) {
+    EXPECT_NE(m.effect.type, "thermal_expansion") << d.sentence;
+    told = told || m.effect.type == "scale_warm_up";
+  }
+  EXPECT_TRUE(told) << d.sentence;
 }
 
 TEST(Diagnose, SeveralLargeEffectsAreNotTakenForBallsThatScatter) {
@@ -235,8 +269,11 @@ TEST(Diagnose, AnEffectWithoutItsInputIsNotTriedButListed) {
   }
   const Diagnosis d = diagnosed(s.session);
   const EffectSpec backlash = EffectSpec("backlash").set("axis", "x");
-  EXPECT_TRUE(std::any_of(d.cannotShow.begin(), d.cannotShow.end(),
-                          [&](const CannotShow& c) { return c.effect == backlash; }));
+  const auto listed = std::find_if(d.cannotShow.begin(), d.cannotShow.end(),
+                                   [&](const CannotShow& c) { return c.effect == backlash; });
+  ASSERT_NE(listed, d.cannotShow.end());
+  const std::string all = std::to_string(s.session.observations.size());
+  EXPECT_EQ(listed->why, "direction of travel is not known at " + all + " of " + all + " observations");
   EXPECT_TRUE(std::none_of(d.candidates.begin(), d.candidates.end(),
                            [&](const CandidateResult& c) { return c.effect == backlash; }));
 }

@@ -61,6 +61,13 @@ TEST(Expanded, HasOneDigitOrTwoWhereOneWouldBeCoarse) {
   EXPECT_EQ(expanded(-1e-9, 0.06, "um"), "0.00 ± 0.12 um");
 }
 
+TEST(ErrorInWords, BelowWhatInstrumentsResolveIsNoFigure) {
+  EXPECT_EQ(errorInWords(0.3e-6, false), "0.3 um");
+  EXPECT_EQ(errorInWords(1.24e-11, false), "< 0.001 um");
+  EXPECT_EQ(errorInWords(0.0, false), "0 um");
+  EXPECT_EQ(errorInWords(1e-4 * kArcsecond, true), "< 0.001 arcsec");
+}
+
 TEST(DurationInWords, TakesTheUnitThatReadsBest) {
   EXPECT_EQ(durationInWords(40.0), "40 s");
   EXPECT_EQ(durationInWords(1200.0), "20 min");
@@ -259,7 +266,7 @@ TEST(Sentence, AnUnknownEffectIsACurveAndAFormulaOnlyWhereThereIsOne) {
             "An error along z that depends on x, and that no effect of the catalogue explains: up to "
             "0.91 ± 0.20 um (k = 2) at x = -16 mm, odds more than 1000 to 1; held-out RMS 0.93 -> 0.32 um. "
             "Add it as a profile, or look for its cause.");
-  d.formulas = {{EffectSpec("formula").set("direction", "z").set("formula", "k1*x^2"), 0.93e-6, 0.33e-6}};
+  d.formulas = {{EffectSpec("formula").set("direction", "z").set("formula", "k1*x^2"), {}, 0.93e-6, 0.33e-6}};
   EXPECT_NE(sentenceOf(d).find("The formula k1*x^2 along z describes it as well."), std::string::npos);
   d.missing = {play()};
   d.missing[0].gain = d.profiles[0].gain - 1.0;
@@ -313,6 +320,38 @@ TEST(Sentence, ExplainedSaysWhatIsLeftAndHowItDrifts) {
       sentenceOf(d).find("time constant of 20 min; perhaps thermal growth along x with bed, odds 1 to 2."),
       std::string::npos)
       << sentenceOf(d);
+}
+
+TEST(Sentence, DoesNotSayThatNothingIsMissingWhereACauseCannotBeExcluded) {
+  Diagnosis d = verdict(Verdict::kExplained);
+  d.possible = {{backlash("x"), 0.75, "The same positions reached in both directions of x."},
+                {growth("z"), 0.2, "Other temperatures."}};
+  EXPECT_EQ(
+      sentenceOf(d),
+      "No effect is established beside noise of 0.310 ± 0.016 um (k = 2), at the repeatability of 0.3 um "
+      "(declared). Backlash of x (odds 3 to 1) and thermal growth along z with bed (odds 1 to 4) cannot "
+      "be excluded. To decide, measure: The same positions reached in both directions of x.");
+  for (const Verdict what : {Verdict::kExplained, Verdict::kScatter})
+    for (const bool drifts : {false, true}) {
+      d.verdict = what;
+      d.drift = drifts ? std::vector<DriftResult>{wander()} : std::vector<DriftResult>{};
+      const std::string text = sentenceOf(d);
+      EXPECT_EQ(text.find("Nothing is missing"), std::string::npos) << text;
+      EXPECT_EQ(text.find("No effect and no structure"), std::string::npos) << text;
+      EXPECT_NE(text.find("Backlash of x (odds 3 to 1)"), std::string::npos) << text;
+    }
+}
+
+TEST(Sentence, WhatIsFoundBesideACurveHasItsRivals) {
+  Diagnosis d = verdict(Verdict::kUnknownEffect);
+  d.profiles = {bump()};
+  d.missing = {play()};
+  d.missing[0].gain = 1.0;
+  d.missing[0].odds = 0.67;
+  d.missing[0].confusableWith = {rival(EffectSpec("speed_lag"), 0.3)};
+  const std::string text = sentenceOf(d);
+  EXPECT_NE(text.find("either backlash of x"), std::string::npos) << text;
+  EXPECT_NE(text.find("or speed lag (1 to 2)"), std::string::npos) << text;
 }
 
 TEST(Sentence, AnglesAreInArcseconds) {

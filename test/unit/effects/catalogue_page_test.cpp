@@ -15,8 +15,6 @@ namespace mm {
 namespace {
 
 constexpr const char* kPage = "docs/effects.md";
-constexpr const char* kBegin = "<!-- registry -->\n";
-constexpr const char* kEnd = "<!-- end -->\n";
 
 struct PageExample {
   EffectPtr effect;
@@ -34,44 +32,45 @@ PageExample exampleOf(const std::string& type) {
   return {};
 }
 
-/// Its example with its symbol, its parameters (unit, plausible up to) and its cause.
-std::string registryPart(const PageExample& example) {
-  const Effect& effect = *example.effect;
+/// The last cells of its row: its symbol, and its parameters, those of one unit and plausible limit together.
+std::string registryCells(const PageExample& example) {
   constexpr std::size_t kMost = 7;
-  std::string text =
-      "`" + effect.spec().yaml() + "`" + (example.symbol.empty() ? "" : " (" + example.symbol + ")") + ": ";
-  const auto& parameters = effect.parameters();
-  for (std::size_t i = 0; i < std::min(kMost, parameters.size()); ++i)
-    text += (i == 0 ? "" : ", ") + parameters[i].name + " (" + parameters[i].unit +
-            format(", %.4g)", parameters[i].bound * parameters[i].toUnit);
+  const auto& parameters = example.effect->parameters();
+  const std::size_t shown = std::min(kMost, parameters.size());
+  const auto limit = [&](std::size_t i) {
+    return " (" + parameters[i].unit + format(", %.4g)", parameters[i].bound * parameters[i].toUnit);
+  };
+  std::string text = "| " + example.symbol + " | ";
+  for (std::size_t i = 0; i < shown; ++i) {
+    text += (i == 0 ? "" : ", ") + parameters[i].name;
+    if (i + 1 == shown || limit(i + 1) != limit(i)) text += limit(i);
+  }
   if (parameters.size() > kMost) text += format(" … %zu in all", parameters.size());
-  text += effect.nature().composite ? ". Never a candidate of a diagnosis.\n" : ".\n";
-  return text + "\n" + effect.cause() + "\n";
+  return text + (example.effect->nature().composite ? "; no candidate |" : " |");
 }
 
-struct Section {
-  std::string type, written, registry;  // written: by people, between the title and the registry's part
-  std::size_t begin = 0, size = 0;      // of the registry's part in the page
+struct Row {
+  std::string type, written, registry;  // written: by people, the formula and the keys
+  std::size_t begin = 0, size = 0;      // of the registry's cells in the page
 };
 
-std::vector<Section> sectionsOf(const std::string& page) {
-  const std::string title = "\n## `";
-  std::vector<Section> sections;
-  for (std::size_t at = page.find(title); at != std::string::npos;) {
-    const std::size_t name = at + title.size(), next = page.find(title, name);
-    Section s;
-    s.type = page.substr(name, page.find('`', name) - name);
-    const std::size_t begin = page.find(kBegin, name), end = page.find(kEnd, name);
-    if (begin < next && end < next && begin < end) {
-      s.written = page.substr(name, begin - name);
-      s.begin = begin + std::string(kBegin).size();
-      s.size = end - s.begin;
-      s.registry = page.substr(s.begin, s.size);
+std::vector<Row> rowsOf(const std::string& page) {
+  const std::string title = "\n| `";
+  std::vector<Row> rows;
+  for (std::size_t at = page.find(title); at != std::string::npos; at = page.find(title, at + 1)) {
+    const std::size_t name = at + title.size(), end = page.find('\n', name);
+    const std::size_t written = page.find(" | ", name), registry = page.find(" | ", written + 1);
+    Row row;
+    row.type = page.substr(name, page.find('`', name) - name);
+    if (written < registry && registry < end) {
+      row.written = page.substr(written, registry - written);
+      row.begin = registry + 1;
+      row.size = end - row.begin;
+      row.registry = page.substr(row.begin, row.size);
     }
-    sections.push_back(s);
-    at = next;
+    rows.push_back(row);
   }
-  return sections;
+  return rows;
 }
 
 std::string readPage() {
@@ -81,36 +80,36 @@ std::string readPage() {
   return text.str();
 }
 
-TEST(CataloguePage, hasASectionForEachTypeInTheOrderOfTheRegistry) {
+TEST(CataloguePage, hasARowForEachTypeInTheOrderOfTheRegistry) {
   std::vector<std::string> wanted, there;
   for (const EffectType& type : effectRegistry()) wanted.push_back(type.type);
-  for (const Section& section : sectionsOf(readPage())) there.push_back(section.type);
+  for (const Row& row : rowsOf(readPage())) there.push_back(row.type);
   EXPECT_EQ(there, wanted);
 }
 
 TEST(CataloguePage, namesEveryKey) {
-  const std::vector<Section> sections = sectionsOf(readPage());
-  ASSERT_EQ(sections.size(), effectRegistry().size());
-  for (std::size_t i = 0; i < sections.size(); ++i) {
+  const std::vector<Row> rows = rowsOf(readPage());
+  ASSERT_EQ(rows.size(), effectRegistry().size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
     const EffectType& type = effectRegistry()[i];
     for (const std::string& key : type.keys)
-      EXPECT_NE(sections[i].written.find("`" + key + "`"), std::string::npos) << type.type << ": " << key;
+      EXPECT_NE(rows[i].written.find("`" + key + "`"), std::string::npos) << type.type << ": " << key;
   }
 }
 
 TEST(CataloguePage, saysWhatTheRegistrySays) {
   std::string page = readPage();
-  std::vector<Section> sections = sectionsOf(page);
+  std::vector<Row> rows = rowsOf(page);
   const bool write = std::getenv("MM_WRITE_DOCS") != nullptr;
-  for (auto section = sections.rbegin(); section != sections.rend(); ++section) {
-    const PageExample example = exampleOf(section->type);
-    ASSERT_NE(example.effect, nullptr) << section->type;
-    ASSERT_GT(section->begin, 0u) << section->type << " lacks its part from the registry";
+  for (auto row = rows.rbegin(); row != rows.rend(); ++row) {
+    const PageExample example = exampleOf(row->type);
+    ASSERT_NE(example.effect, nullptr) << row->type;
+    ASSERT_GT(row->begin, 0u) << row->type << " lacks its cells from the registry";
     if (write)
-      page.replace(section->begin, section->size, registryPart(example));
+      page.replace(row->begin, row->size, registryCells(example));
     else
-      EXPECT_EQ(section->registry, registryPart(example))
-          << section->type << ": write the page anew with MM_WRITE_DOCS=1";
+      EXPECT_EQ(row->registry, registryCells(example))
+          << row->type << ": write the page anew with MM_WRITE_DOCS=1";
   }
   if (write) std::ofstream(kPage) << page;
 }

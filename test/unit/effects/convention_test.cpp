@@ -179,6 +179,9 @@ TEST_F(Convention, warmUpAndGrowth) {
   state.time = 600.0;
   EXPECT_NEAR(values("{type: warm_up, direction: y}", {5e-6, 600.0})[layout.axis(1)],
               5e-6 * (1.0 - std::exp(-1.0)), 1e-18);
+  state.position[0] = 0.2;
+  EXPECT_NEAR(values("{type: scale_warm_up, axis: x}", {50e-6, -2e-6, 600.0})[layout.axis(0)],
+              (50e-6 * 0.2 - 2e-6) * (1.0 - std::exp(-1.0)), 1e-18);
   state.temperature[0] = 26.0;
   EXPECT_NEAR(values("{type: thermal_growth, direction: z, sensor: bed}", {1e-6})[layout.axis(2)], 6e-6,
               1e-18);

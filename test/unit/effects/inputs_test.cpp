@@ -56,6 +56,7 @@ const std::vector<Row> kThreeAxis{
     {"{type: time_drift, direction: x}", "t"},
     {"{type: jump, direction: z, at_s: 100}", "t"},
     {"{type: warm_up, direction: z}", "t"},
+    {"{type: scale_warm_up, axis: x}", "x t"},
     {"{type: time_cycle, direction: x}", "t"},
     {"{type: gravity_sag, direction: z, with: x, power: 2}", "x"},
     {"{type: probe_lobing, order: 0}", "approach"},

@@ -141,7 +141,7 @@ INSTANTIATE_TEST_SUITE_P(Export, EachTarget, testing::ValuesIn(exportTargetNames
                          [](const auto& info) { return info.param; });
 
 TEST(Representability, FiguresAreThoseOfOneDisplacement) {
-  // A backlash of 4 um is +-2 um along y alone: 2 / sqrt(3) um a coordinate.
+  // A backlash of 4 um is +-2 um along y alone: 2 / sqrt(3) um a coordinate of the three.
   const Representability judged = judge("linuxcnc", calibrationWith({knownEffects()[1]}));
   EXPECT_NEAR(judged.figures.unalignedUncorrected, 2e-6 / std::sqrt(3.0), 1e-9);
   EXPECT_LT(judged.figures.exported, 1e-8);

@@ -147,10 +147,13 @@ TEST(ExportPages, SayWhatToLoadAndHowToCheckTheSign) {
       if (file.path == "representability.json") json = file.text;
     }
     for (const char* part :
-         {"## Load", "ASSUMED, because it was not stated", "## Reference point", "## Check the sign",
+         {"## Install", "ASSUMED, because it was not stated", "## Reference point", "## Check the sign",
           "## What is carried", "## Numerical compensation, by ISO/TR 16907", "Kinematic chain: w-b-X-Y-Z-t",
-          "Before and after: RMS", "## Not verified", "1. "})
+          "Before and after: RMS", "## What was checked", "Not on this machine", "1. "})
       EXPECT_THAT(page, HasSubstr(part)) << target.name;
+    EXPECT_EQ(page.find("By calculation: the files were read back") == std::string::npos,
+              judged.carriesNothing())
+        << target.name;
     const auto read = nlohmann::json::parse(json);
     EXPECT_EQ(read.at("target"), target.name);
     EXPECT_EQ(read.at("files").size(), files.size());

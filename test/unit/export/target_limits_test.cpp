@@ -97,16 +97,36 @@ TEST(TargetLimits, WhatTheModelDoesNotExplainIsInEveryExpectation) {
   c.repeatability = 0.3e-6;
   const Representability r = judged("heidenhain", c);
   EXPECT_DOUBLE_EQ(r.unexplained(), 0.4e-6);
-  EXPECT_DOUBLE_EQ(r.expected(0.3e-6), 0.5e-6);
+  LeftOfModel left;
+  left.rms = 0.3e-6;
+  EXPECT_DOUBLE_EQ(r.expected(left).rms, 0.5e-6);
   const auto json = representabilityJson(r);
   EXPECT_NEAR(json.at("expected_rms_um").at("full"), 0.4, 1e-9);
   EXPECT_GE(json.at("expected_rms_um").at("exported"), json.at("expected_rms_um").at("full"));
   EXPECT_EQ(json.at("rms_um").at("full"), 0.0);
-  EXPECT_THAT(representabilityText(r), HasSubstr("the 0.4 um that the model does not explain"));
+  EXPECT_THAT(representabilityText(r), HasSubstr("what the model does not explain of its session (0.4 um"));
   c.repeatability = 0.6e-6;  // a session luckier than its contacts
   EXPECT_DOUBLE_EQ(judged("heidenhain", c).unexplained(), 0.0);
   c.heldOutRms = c.rms = std::nan("");
   EXPECT_TRUE(representabilityJson(judged("heidenhain", c)).at("expected_rms_um").at("full").is_null());
+}
+
+TEST(TargetLimits, TheParametersOwnUncertaintyIsExpectedAlongTheirAxis) {
+  Calibration c = with(EffectSpec("backlash").set("axis", "y"), "gap", 4e-6);
+  c.values[0].std = 0.6e-6;
+  c.covariance(0, 0) = 0.36e-12;
+  c.heldOutRms = c.rms = c.repeatability = 0.2e-6;  // the model explains its session to the last
+  const Representability r = judged("linuxcnc", c);
+  const auto y = std::find_if(r.along.begin(), r.along.end(),
+                              [](const LeftAlong& along) { return along.direction == "y"; });
+  ASSERT_NE(y, r.along.end());
+  EXPECT_NEAR(y->uncorrected.rms, 2e-6, 1e-9);  // half the gap: not its share of three coordinates
+  EXPECT_NEAR(r.expected(y->full).rms, 0.3e-6, 1e-9);
+  EXPECT_NEAR(r.measured(y->full).rms, std::hypot(0.3e-6, 0.2e-6), 1e-9);
+  // (gap / 2)^2 with a gap of 4 um and 0.6 um: 2 um to within 0.3 um
+  EXPECT_NEAR(r.expected(y->uncorrected).std, 0.3e-6, 0.01e-6);
+  EXPECT_THAT(representabilityText(r), HasSubstr("along y"));
+  EXPECT_THAT(representabilityJson(r).at("along").size(), 3u);
 }
 
 TEST(TargetLimits, FanucIsNeverGivenBytesOfOtherPurposes) {

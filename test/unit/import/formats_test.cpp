@@ -11,6 +11,7 @@
 #include "import_support.h"
 #include "pan_tilt_session.h"
 #include "session/sense_checks.h"
+#include "session/session_summary.h"
 
 namespace mm {
 namespace {
@@ -54,6 +55,16 @@ TEST_F(Formats, Iso230TargetsByRuns) {
   EXPECT_LT(i.motion[7].velocity[0], 0.0);
   EXPECT_TRUE(i.session->assumed.empty());
   EXPECT_EQ(i.session->setups.size(), 1u);
+}
+
+TEST_F(Formats, WithoutTimesTellAnOrderAlone) {
+  for (const char* name : {"iso230_2_x.csv", "length_bars_y.csv"}) {
+    const Session session = *example(name).session;
+    EXPECT_FALSE(session.timesAssumed.empty()) << name;
+    EXPECT_FALSE(session.timed(session.observations.back())) << name;
+    EXPECT_THAT(assumedText(session), HasSubstr("no times were recorded")) << name;
+    EXPECT_GT(session.observations[1].time, session.observations[0].time) << "their order stays: " << name;
+  }
 }
 
 TEST_F(Formats, Iso230RunsByTargetsWithMeasuredPositions) {

@@ -24,6 +24,25 @@ TEST(SinceReversal, CountsFromTheLastRowBeforeIt) {
   EXPECT_TRUE(std::isinf(states[6].sinceReversalOf(1))) << "y never moved";
 }
 
+// Their temperatures are those of the rows all the same.
+TEST(AssumedTimes, AreKnownToNoEffect) {
+  Session session(Machine::load("three_axis"));
+  for (int i = 0; i < 4; ++i)
+    session.observations.push_back(test_support::deviationOfX(i * 1e-3, 1e-3, i, 0.0));
+  session.temperatures.push_back({"bed", "degC", {0.0, 1.0, 2.0, 3.0}, {20.0, 21.0, 20.5, 22.0}});
+  session.prepare();
+  EXPECT_GT(observedDomain(session).duration, 0.0);
+  session.timesAssumed = kTimesInOrder;
+  const Domain domain = observedDomain(session);
+  EXPECT_EQ(domain.duration, 0.0);
+  EXPECT_TRUE(domain.gaps.empty());
+  const SessionStates states(session, domain);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_TRUE(std::isnan(states[i].time)) << i;
+    EXPECT_TRUE(std::isfinite(states[i].temperature[0])) << i;
+  }
+}
+
 /// Between two touches the probe went back and forth.
 TEST(SinceReversal, IsNotKnownOfATouch) {
   Session session(Machine::load("three_axis"));

@@ -64,6 +64,19 @@ TEST(Certificate, SaysWhatACertificateMust) {
   EXPECT_EQ(page.find("nan"), std::string::npos);
 }
 
+TEST(Certificate, SaysWhetherTheModelLeavesMoreThanTheRepeatability) {
+  Certificate c = exampleCertificate();
+  c.calibration.repeatabilityFrom = "declared";
+  c.calibration.chi2PerDof = 9.0;
+  const char* const kRemain = "errors that this model does not describe remain";
+  EXPECT_NE(certificatePage(c).find(std::string("3 times the repeatability: ") + kRemain), std::string::npos);
+  c.calibration.chi2PerDof = 1.0;
+  EXPECT_EQ(certificatePage(c).find(kRemain), std::string::npos);
+  c.calibration.chi2PerDof = 9.0;
+  c.calibration.repeatabilityFrom = "estimated";
+  EXPECT_EQ(certificatePage(c).find(kRemain), std::string::npos) << "of what is left itself";
+}
+
 TEST(Certificate, TellsWhenItWasActiveAndWhatFreshPointsSaid) {
   const test::Folder folder;
   const CalibrationStore store(folder.path("store"));
@@ -102,6 +115,37 @@ TEST(Certificate, TellsWhenItWasActiveAndWhatFreshPointsSaid) {
                            "no change, 3.12 ± 0.08 → 3.1 ± 0.06 µm (k = 2) at 54 points (fresh a.bag)"})
     EXPECT_NE(page.find(part), std::string::npos) << part;
   EXPECT_EQ(page.find("foreign"), std::string::npos);
+}
+
+// Forty points a plot would show a wave of 2 mm over 491 mm as another one.
+TEST(Certificate, CurvesFollowShortWaves) {
+  Calibration k =
+      test::calibrationOf(Machine::load("three_axis"),
+                          {parseEffectSpec("{type: lead_screw_periodic, axis: x, period_mm: 2}", "effect")});
+  k.domain.lower[0] = 2.0e-3;
+  k.domain.upper[0] = 493.0e-3;
+  k.values[0].value = 1e-6;  // S
+  const std::vector<CorrectionCurve> curves = correctionCurves(k);
+  ASSERT_FALSE(curves.empty());
+  const CorrectionCurve& x = curves.front();
+  ASSERT_EQ(x.axis, "x");
+  int turns = 0;
+  for (std::size_t i = 1; i + 1 < x.at.size(); ++i)
+    turns +=
+        (x.correction[i].x() - x.correction[i - 1].x()) * (x.correction[i + 1].x() - x.correction[i].x()) <
+        0.0;
+  EXPECT_NEAR(turns, 2 * 491.0 / 2.0, 2.0) << "a crest and a trough each 2 mm";
+  EXPECT_LT(correctionPlot(x).size(), 300000U) << "no more than a plot can show";
+}
+
+TEST(Certificate, StatesNoTimesThatNobodyRecorded) {
+  Certificate c = exampleCertificate();
+  c.calibration.domain.duration = 0.0;
+  c.calibration.drift = {{"x", 0.5e-6, 210.0, false}};
+  const std::string page = certificatePage(c);
+  EXPECT_EQ(page.find("time constant"), std::string::npos);
+  EXPECT_NE(page.find("no times were recorded"), std::string::npos);
+  EXPECT_NE(page.find("not recorded"), std::string::npos);
 }
 
 // A session of angles: its residuals are arcseconds, and so is the drift of a rotary joint.

@@ -76,6 +76,34 @@ TEST(DiagnoseText, RivalsWithTheirOddsAndWhatWouldTell) {
       << both;
 }
 
+TEST(DiagnoseText, CausesThatMayActStandWithTheirOddsAndNotAsMissing) {
+  Diagnosis d = verdict(Verdict::kExplained);
+  d.possible = {{backlash("x"), 0.75, "The same positions in both directions of x."}};
+  const std::string text = textOf(d);
+  EXPECT_FALSE(has(text, "issing")) << text;
+  EXPECT_TRUE(
+      has(text, "\nNot established, and not excluded\n  backlash of x\n    odds              3 to 1\n"))
+      << text;
+  EXPECT_EQ(jsonOf(d)["possible"].size(), 1u);
+  EXPECT_TRUE(jsonOf(d)["missing"].empty());
+  // of several of which one acts none is listed as missing
+  const std::string several = textOf(confusable());
+  EXPECT_TRUE(has(several, "\nOne of several acts, and these data do not tell which\n  backlash of x\n"))
+      << several;
+  EXPECT_FALSE(has(several, "Missing, in the order found")) << several;
+}
+
+TEST(DiagnoseText, SaysWhichInputIsUnknownAtRowsThatAreNotJudged) {
+  Diagnosis d = verdict(Verdict::kExplained);
+  const Session session = test::interferometerSession(1e-6, 0.2e-6);
+  d.base = calibrate(session, Model(session.machine, observedDomain(session), std::vector<EffectSpec>()), {});
+  d.notJudged = {{"x", 1, true}};
+  EXPECT_TRUE(has(textOf(d), "1 observation is not evaluated: how far x had come since its last reversal"))
+      << textOf(d);
+  d.notJudged = {{"x", 8, false}};
+  EXPECT_TRUE(has(textOf(d), "8 observations are not evaluated: the direction from which x arrived"));
+}
+
 TEST(DiagnoseText, NoLineIsLongerThanAHundredCharacters) {
   Diagnosis d = confusable();
   d.missing[0].remedy = std::string(30, 'a');
@@ -111,7 +139,7 @@ TEST(DiagnoseText, AProfileIsACurveWithItsBand) {
                   "plate2.yaml"))
       << text;
   EXPECT_FALSE(has(text, "formula")) << text;
-  d.formulas = {{EffectSpec("formula").set("direction", "z").set("formula", "k1*x^2"), 0.93e-6, 0.33e-6}};
+  d.formulas = {{EffectSpec("formula").set("direction", "z").set("formula", "k1*x^2"), {}, 0.93e-6, 0.33e-6}};
   EXPECT_TRUE(has(textOf(d), "The same as a formula\n  {type: formula, direction: z, formula: k1*x^2}"))
       << textOf(d);
 }

@@ -55,6 +55,24 @@ TEST_F(ReportPage, NamesOfUsersFilesAreNeverMarkup) {
   EXPECT_EQ(data["point_set"]["features"][0]["name"], kHostile);
 }
 
+TEST_F(ReportPage, WithoutACalibrationTheMachineAsItIs) {
+  const Session session = test::interferometerSession(2e-6, 0.1e-6);
+  ReportOptions options;
+  options.sessionPath = "s.bag";
+  const ReportContents report = makeReport(session, options);
+  const nlohmann::json data = nlohmann::json::parse(reportJson(report));
+  EXPECT_TRUE(data["calibration"].is_null());
+  EXPECT_TRUE(data["command"].is_null());
+  EXPECT_TRUE(data["diagnosis"]["verdict"].is_null());
+  EXPECT_TRUE(data["diagnosis"]["missing"].empty());
+  EXPECT_TRUE(data["parameters"].empty());
+  ASSERT_EQ(data["figures"].size(), 1u);
+  EXPECT_NEAR(data["figures"][0]["rms_um"].get<double>(), 2.0, 0.1);
+  EXPECT_NEAR(data["positioning"][0]["measured"]["figures"]["B"].get<double>(), 4.0, 0.2);
+  const std::string page = reportPage(report, loadReportFiles(plotly_));
+  EXPECT_NE(page.find("The machine as it is, without a calibration"), std::string::npos);
+}
+
 TEST_F(ReportPage, SaysWhatTheDiagnosisSaysAndWhatToTypeNext) {
   const Session session = test::interferometerSession(2e-6, 0.1e-6);
   const ReportContents report = contents(session, "my session.bag", {EffectSpec("scale").set("axis", "x")});

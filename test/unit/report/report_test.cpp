@@ -53,6 +53,21 @@ CalibrateOptions leastSquares() {
   return options;
 }
 
+TEST(ReportText, OneLineHasTheErrorBeforeAndAfterAndTheRepeatability) {
+  const Session session = deviations("three_axis", "x", 1e-4, 0.0, 0.1e-6);
+  ModelSpec model;
+  model.effects = {scale("x")};
+  const Recalibration done = recalibrate(session, model, leastSquares());
+  const std::string line = errorText(done.result, done.calibration.ledger.back().rmsBefore);
+  EXPECT_EQ(line.rfind("RMS ", 0), 0U) << line;
+  EXPECT_NE(
+      line.find(length(done.result.before.rms, false) + " -> " + length(done.result.figures.rms, false)),
+      std::string::npos)
+      << line;
+  EXPECT_NE(line.find("repeatability " + length(done.result.repeatability, false)), std::string::npos)
+      << line;
+}
+
 void expectNoNumberIsMissing(const nlohmann::json& value, const std::string& text) {
   EXPECT_EQ(text.find("nan"), std::string::npos);
   EXPECT_EQ(text.find("inf"), std::string::npos);
@@ -216,7 +231,7 @@ TEST(Report, CandidatesInTheUnitsOfPeople) {
   missing.confusableWith.push_back({EffectSpec("speed_lag"), 2.1, 0.1, false, "", ""});
   diagnosis.missing = {missing};
   diagnosis.formulas = {
-      {EffectSpec("formula").set("direction", "z").set("formula", "k1*x*y"), 0.93e-6, 0.33e-6}};
+      {EffectSpec("formula").set("direction", "z").set("formula", "k1*x*y"), {}, 0.93e-6, 0.33e-6}};
   diagnosis.nextMeasurement.resize(1);
   diagnosis.nextMeasurement[0].values = {{"x_mm", 0.0}};
   diagnosis.nextMeasurement[0].words = {{"feature", "b0"}};

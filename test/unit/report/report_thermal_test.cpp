@@ -33,25 +33,29 @@ CalibrationResult fitOf(const Session& session, const std::vector<EffectSpec>& e
 
 TEST(ReportThermal, DriftBeforeAndAfter) {
   const Session session = warmingSession();
-  const ThermalTest test =
-      thermalTest(fitOf(session, {EffectSpec("thermal_growth").set("direction", "x").set("sensor", "bed")}));
-  ASSERT_EQ(test.axes.size(), 1u);
-  EXPECT_EQ(test.axes[0].axis, "x");
-  ASSERT_EQ(test.axes[0].courses.size(), 3u);  // first, middle, last
-  EXPECT_NEAR(test.axes[0].courses[0].at, -20.0, 1e-9);
-  EXPECT_NEAR(test.axes[0].courses[2].at, 20.0, 1e-9);
-  EXPECT_EQ(test.axes[0].courses[1].hours.size(), 10u);
-  // at the ends the runs are 10 to 890 s, two by two: 0.005 K/s * 2 um/K * 720 … 880 s
-  EXPECT_NEAR(test.axes[0].measuredRange, 8.0, 1.0);
-  EXPECT_LT(test.axes[0].leftRange, 0.4);
-  ASSERT_EQ(test.temperatures.size(), 1u);  // the air stood still
-  EXPECT_EQ(test.temperatures[0].sensor, "bed");
+  const ThermalReport report = thermalReport(
+      fitOf(session, {EffectSpec("thermal_growth").set("direction", "x").set("sensor", "bed")}));
+  ASSERT_EQ(report.tests.size(), 1u);
+  const ThermalTestFigures& found = report.tests[0];
+  EXPECT_EQ(found.test.kind, ThermalTestKind::kLinearAxis);
+  EXPECT_EQ(found.test.joint, "x");
+  ASSERT_EQ(found.test.courses.size(), 4u);  // first, middle, last, and the length between the ends
+  EXPECT_NEAR(found.test.courses[0].at, -20.0, 1e-9);
+  EXPECT_NEAR(found.test.courses[2].at, 20.0, 1e-9);
+  EXPECT_EQ(found.test.courses[1].measured.hours.size(), 5u);  // of one direction of travel
+  // in one direction the runs follow each other every 180 s: 0.005 K/s * 2 um/K * 720 s
+  EXPECT_NEAR(found.measured[1].range.value, 7.2, 0.3);
+  EXPECT_LT(found.left[1].range.value, 0.4);
+  EXPECT_NEAR(found.measured[1].range.std, 0.07, 0.03);  // two readings of 0.05 um, where repeats tell so
+  EXPECT_LT(found.measured[3].range.value, 0.5);         // the same growth everywhere: no expansion
+  ASSERT_EQ(report.temperatures.size(), 2u);
+  EXPECT_NEAR(report.temperatures[0].range, 4.45, 1e-9);  // bed: 10 to 900 s
 }
 
 TEST(ReportThermal, NothingWhereNoTemperatureChanges) {
   Session session = warmingSession();
   session.temperatures.erase(session.temperatures.begin());
-  EXPECT_TRUE(thermalTest(fitOf(session)).axes.empty());
+  EXPECT_TRUE(thermalReport(fitOf(session)).tests.empty());
 }
 
 }  // namespace

@@ -157,6 +157,18 @@ TEST_F(BagSession, KeepsTheLinesOfItsCsvAndWhatIsSetAside) {
   EXPECT_EQ(bag.setAside[1].row, csv.setAside[1].row);
 }
 
+TEST_F(BagSession, KeepsThatNobodyRecordedTimes) {
+  Session s = sample();
+  const std::string timed = sessionHash(s);
+  s.timesAssumed = kTimesInOrder;
+  writeSessionBag(s, folder_.path("s.bag"));
+  const Session back = readSessionBag(folder_.path("s.bag"));
+  EXPECT_EQ(back.timesAssumed, kTimesInOrder);
+  EXPECT_FALSE(back.timed(back.observations.front()));
+  EXPECT_EQ(sessionHash(back), sessionHash(s));
+  EXPECT_NE(sessionHash(back), timed) << "no effect of time can be asked of it";
+}
+
 TEST_F(BagSession, KeepsWhatTheControllerCompensated) {
   Session s = sample();
   const std::string unstated = sessionHash(s);

@@ -99,6 +99,47 @@ TEST(Plan, ReferenceRunsGoUpAndDown) {
   EXPECT_EQ(measured, (std::vector<double>{0, 10, 20, 20, 10, 0, 0, 10, 20, 20, 10, 0}));
 }
 
+TEST(Plan, AGroupOfMovesIsMadeAgain) {
+  const Plan plan = parse(
+      "moves: [{x_mm: 1}, {repeats: 4, moves: [{x_mm: 2}, {repeats: 3, moves: [{y_mm: 3, reference: "
+      "position}]}]}]");
+  ASSERT_EQ(plan.moves.size(), 1u + 4 * (1 + 3));
+  EXPECT_EQ(plan.measurements(), 4 * 3);
+  EXPECT_NEAR(plan.moves[1].position[1], 0.0, 1e-12);  // the first time y is where it was
+  for (std::size_t i = 5; i < plan.moves.size(); ++i) {
+    EXPECT_NEAR(plan.moves[i].position[0], 2e-3, 1e-12);
+    EXPECT_NEAR(plan.moves[i].position[1], 3e-3, 1e-12);
+    EXPECT_EQ(plan.moves[i].kind, i % 4 == 1 ? MoveKind::kGo : MoveKind::kPosition);
+  }
+  expectRefusal("moves: [{repeats: 0, moves: [{x_mm: 1, reference: x}]}]", "at least 1");
+  expectRefusal("moves: [{repeats: 3, moves: []}]", "must be a list of one or more");
+  expectRefusal("moves: [{repeats: 3, x_mm: 1}]", "unknown key 'repeats'");
+  expectRefusal("moves: [{repeats: 1000, moves: [{repeats: 1000, moves: [{x_mm: 1, reference: x}]}]}]",
+                "more than 300000 moves");
+  std::string deep = "{x_mm: 1, reference: x}";
+  for (int i = 0; i < 8; ++i) deep = "{moves: [" + deep + "]}";
+  expectRefusal("moves: [" + deep + "]", "more than 8 deep");
+}
+
+TEST(Plan, ALengthBeginsAtAPoint) {
+  const std::string beam =
+      "artifact: {name: beam, points: [{name: p, position_mm: [-100, 0, 0]}], balls: [{name: b, centre_mm: "
+      "[0, 0, -9], radius_mm: 4}]}\n";
+  const Plan plan =
+      parse(beam + "moves: [{x_mm: 3, from: {x: -1}, reference: length, feature: p, setup: s}]");
+  ASSERT_EQ(plan.moves.size(), 2u);
+  EXPECT_EQ(plan.moves[1].kind, MoveKind::kLength);
+  EXPECT_EQ(plan.moves[1].feature, plan.artifact.findFeature("p"));
+  EXPECT_EQ(plan.moves[1].setup, "s");
+  const Machine machine = Machine::load("three_axis");
+  const Plan again = Plan::parse(planYaml(plan, machine), "again", ".", machine);
+  EXPECT_EQ(again.moves[1].kind, MoveKind::kLength);
+  EXPECT_EQ(again.moves[1].feature, again.artifact.findFeature("p"));
+  expectRefusal(beam + "moves: [{x_mm: 3, reference: length}]", "name the 'feature' it begins at");
+  expectRefusal(beam + "moves: [{x_mm: 3, reference: length, feature: b}]", "'b' is a ball");
+  expectRefusal(beam + "moves: [{x_mm: 3, reference: x, feature: p}]", "exclude each other");
+}
+
 TEST(Plan, WrittenOutItIsReadBackTheSame) {
   for (const auto& [name, machineName] :
        std::vector<std::pair<std::string, std::string>>{{"nine_ball_plate", "three_axis"},

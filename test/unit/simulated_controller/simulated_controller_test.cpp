@@ -199,6 +199,16 @@ TEST_F(SimulatedControllerTest, BreaksAsItIsTold) {
   EXPECT_THROW(controller_.breakDevice("asleep"), InputError);
 }
 
+TEST_F(SimulatedControllerTest, SaysWhichErrorsTheInstrumentHas) {
+  open({{"plan", "config/demo_plan.yaml"}, {"hide", "scale:z=0.001; random"}});
+  const std::vector<std::string> notes = controller_.capabilities().notes;
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_EQ(
+      notes[0],
+      "simulated errors: of the plan {type: scale, axis: x}, {type: scale, axis: y}, {type: scale, axis: z}, "
+      "{type: squareness, axis: x, of: y}, {type: backlash, axis: x}; of `hide` scale:z=0.001; random");
+}
+
 TEST(SimulatedController, UnknownParametersAreNamed) {
   SimulatedController controller;
   try {

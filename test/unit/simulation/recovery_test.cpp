@@ -53,6 +53,7 @@ TEST(Recovery, TouchProbeOnThePlate) {
        "{type: thermal_bending, axis: x, about: y, sensors: [bed, frame]}", 15.0 * kArcsecond},
       {"jump:z=4um,at=600s", "{type: jump, direction: z, at_s: 600}", 4e-6},
       {"time_drift:x=8um/h", "{type: time_drift, direction: x}", 8e-6 / 3600.0},
+      {"scale_warm_up:x=200ppm,tau=10min", "{type: scale_warm_up, axis: x}", 200e-6},
       {"probe_radius=3um", "{type: probe_radius}", 3e-6},
       {"tip_wear=6um/h", "{type: tip_wear}", 6e-6 / 3600.0},
       {"ball_radius:b3=3um", "{type: ball_radius, ball: b3}", 3e-6},

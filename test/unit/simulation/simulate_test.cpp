@@ -186,6 +186,7 @@ TEST(Simulate, EverySourceShowsAndGrowsWithItsSize) {
                                              {"thermal_bending", {":x/y/bed/frame", "arcsec/K", 10}},
                                              {"time_drift", {":x", "um/h", 30}},
                                              {"warm_up", {":y", "um", 8}},
+                                             {"scale_warm_up", {":x", "ppm", 200}},
                                              {"jump", {":z", "um", 4}},
                                              {"gravity_sag", {":z/y", "um", 6}},
                                              {"covariate_offset", {":x/humidity", "um", 0.6}},
@@ -244,6 +245,37 @@ TEST(Simulate, AReferenceFindsTheDeviationOfALinearJoint) {
   ASSERT_EQ(s.session.observations.size(), 4u);
   for (const Observation& o : s.session.observations)
     EXPECT_NEAR(o.deviation[x], 1e-4 * o.position[x] - 1e-6 * o.travel[x], 1e-9);
+}
+
+TEST(Simulate, ALengthIsFromItsPointToTheTrueTip) {
+  const std::string plan =
+      "artifact: {name: beam, pose: known, points: [{name: p, position_mm: [-100, 0, 0]}]}\n"
+      "moves: [{x_mm: 5, reference: length, feature: p}, {x_mm: -5, y_mm: 30, reference: length, feature: p},"
+      " {x_mm: 5, y_mm: 0, reference: length, feature: p, setup: s}]\n"
+      "instrument: {noise: {reference_um: 0}}\n";
+  const Simulation s = run(plan, {"scale:x=1000um/m"});
+  ASSERT_EQ(s.session.observations.size(), 3u);
+  const Eigen::Vector3d from(-0.1, 0.0, 0.0);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Observation& o = s.session.observations[i];
+    EXPECT_EQ(o.kind, ObservationKind::kLength);
+    EXPECT_NEAR(o.length, (s.truePositions[i] - from).norm(), 1e-12);
+  }
+  EXPECT_NEAR(s.session.observations[0].length, 0.105 + 5e-6, 1e-9);
+  const double zero = std::abs(s.session.observations[2].length - s.session.observations[0].length);
+  EXPECT_GT(zero, 1e-8);  // nobody knows it
+  EXPECT_LT(zero, 50e-6);
+}
+
+TEST(Simulate, ACovariateIsZeroBeforeAndAfterItsTime) {
+  const Simulation s =
+      run("moves: [{wait_s: 400, reference: position}]\n"
+          "instrument: {covariates: [{name: spindle, unit: rpm, mean: 9000, from_min: 1, to_min: 3}]}\n",
+          {});
+  ASSERT_EQ(s.session.covariates.size(), 1u);
+  EXPECT_DOUBLE_EQ(s.session.covariates[0].at(30.0), 0.0);
+  EXPECT_DOUBLE_EQ(s.session.covariates[0].at(120.0), 9000.0);
+  EXPECT_DOUBLE_EQ(s.session.covariates[0].at(300.0), 0.0);
 }
 
 TEST(Simulate, AReferenceFindsTheDeviationOfARotaryJoint) {

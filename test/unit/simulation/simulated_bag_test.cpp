@@ -3,8 +3,11 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 
 #include "ros_bridge/bag_session.h"
+#include "session/contacts_csv.h"
+#include "simulation/session_csv.h"
 #include "simulation/simulate.h"
 
 namespace mm {
@@ -46,6 +49,31 @@ TEST(SimulatedBag, KeepsReadingsTravelAndApproachOfEveryMeasurement) {
                   (std::isnan(a.laserReading) && std::isnan(b.laserReading)));
     }
     ASSERT_EQ(read.temperatures.size(), 4u);
+  }
+}
+
+TEST(SimulatedBag, LengthsComeBackFromTheBagAndFromTheTable) {
+  const Machine machine = Machine::load("three_axis");
+  const std::string yaml =
+      "artifact: {name: beams, pose: known, points: [{name: +x, position_mm: [-100, 0, 0]}]}\n"
+      "moves: [{x_mm: -9, reference: length, feature: +x, setup: s}, {x_mm: 9, reference: length, feature: "
+      "+x, "
+      "setup: s}]\n";
+  const Simulation simulation = simulate(machine, Plan::parse(yaml, "plan.yaml", ".", machine), {});
+  const Session& session = simulation.session;
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("lengths_" + std::to_string(::getpid()) + ".csv");
+  std::ofstream(file) << sessionCsv(session);
+  const Session table = readContactsCsv(file, machine, &session.artifact), bag = throughBag(simulation);
+  std::filesystem::remove(file);
+  for (const Session* read : {&table, &bag}) {
+    ASSERT_EQ(read->observations.size(), 2u);
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_EQ(read->observations[i].kind, ObservationKind::kLength);
+      EXPECT_EQ(read->observations[i].feature, 0);
+      EXPECT_EQ(read->observations[i].setup, 0);
+      EXPECT_NEAR(read->observations[i].length, session.observations[i].length, 1e-12);
+    }
   }
 }
 

@@ -61,6 +61,20 @@ TEST(VerifyWords, sayWhatTheVerdictSays) {
   EXPECT_EQ(asked, 84);
 }
 
+TEST(VerifyWords, sayCorrectedOnlyWhereHalfOfTheErrorIsExcluded) {
+  const auto words = [](double remaining, double std) {
+    RemainingShare share;
+    share.remaining = remaining;
+    share.std = std;
+    return inWords(share);
+  };
+  EXPECT_EQ(words(-0.1, 0.05), "corrected");
+  EXPECT_EQ(words(1.1, 0.1), "not corrected");
+  EXPECT_EQ(words(0.5, 0.05), "50 % remain");
+  for (const double remaining : {-0.1, 0.0, 1.0})
+    EXPECT_EQ(words(remaining, 0.24), "these points cannot tell whether it is corrected") << remaining;
+}
+
 TEST(VerifyWords, ofACorrectionThatPointsDoNotShow) {
   EXPECT_EQ(sentenceOf(found("too_small", false, false, 10.0)),
             "it helps: 3.00 -> 1.00 um at 54 fresh points (k = 2: ±0.20, ±0.20); these points do not show "

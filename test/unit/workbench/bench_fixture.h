@@ -3,6 +3,8 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
@@ -164,21 +166,30 @@ class BenchTest : public ::testing::Test {
   std::uint64_t told_ = 0;
   std::chrono::milliseconds heartbeat_ = 1h;
   std::string store_ = "store";
+  std::string bag_ = "plate.bag";           // empty: none is open
+  std::map<std::string, Session> written_;  // by name of the bag
   Session (*session_)() = [] { return plate(); };
 
   void start(bool live = false) {
     BenchOptions options;
-    options.bag = "plate.bag";
+    options.bag = bag_;
+    options.folder = folder_.path("");
     options.heartbeat = heartbeat_;
     if (!store_.empty()) options.store = folder_.path(store_);
     BenchSources sources;
     sources.readBag = [this](const std::filesystem::path& file, const ProgressCallback&, const Machine*) {
       if (file.filename() == "plate.bag") return session_();
+      if (const auto one = written_.find(file.filename().string()); one != written_.end()) return one->second;
       const std::string content = readAll(file);
       if (content == "fresh points") return fresh();
       if (startsWith(content, "serial ")) return withSerial(content.substr(7));
       if (startsWith(content, "mesh ")) return withMesh(content.substr(5));
       throw InputError(file.string() + ": is not a bag");
+    };
+    sources.writeBag = [this](const Session& session, const std::filesystem::path& file,
+                              const std::vector<MotionSample>&, const ProgressCallback&) {
+      std::ofstream(file) << "a bag";
+      written_.emplace(file.filename().string(), session);
     };
     sources.spaceOf = [](const std::filesystem::path&) { return std::string(); };
     sources.packageFolder = [this](const std::string&) {

@@ -129,22 +129,6 @@ TEST_F(BenchTest, StatesComeThirtyTimesASecondWhileItMoves) {
   EXPECT_EQ(live()["machine"]["readings"], json::parse("[1.0,2.0,3.0]"));
 }
 
-TEST_F(BenchTest, ATableOfTheSameMachineIsASessionToo) {
-  start();
-  const json refused = ended(bench_->post("/upload", "name=t.csv", "x_mm,what\n1,2\n", "test"));
-  EXPECT_FALSE(refused["ok"]);
-  std::string csv = "time_s,x_mm,y_mm,z_mm,reference_x_mm,reference_y_mm,reference_z_mm\n";
-  for (int i = 0; i < 27; ++i) {
-    const int x = 5 * (i % 3), y = 5 * (i / 3 % 3), z = 5 * (i / 9);
-    const std::string place = std::to_string(x) + "," + std::to_string(y) + "," + std::to_string(z);
-    csv += std::to_string(10 * i) + "," + place + "," + place + "\n";
-  }
-  const json opened = ended(bench_->post("/upload", "name=t.csv", csv, "test"));
-  EXPECT_TRUE(opened["ok"]) << opened;
-  EXPECT_EQ(data("session")["name"], "t.csv");
-  EXPECT_EQ(data("points")["rows"], 81);
-}
-
 TEST_F(BenchTest, ItsMachineMayHaveAnyName) {
   session_ = [] { return named("mymill"); };
   start();

@@ -1,0 +1,164 @@
+#include "import/import_questions.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <map>
+
+#include "base/names_of.h"
+#include "base/text.h"
+#include "import/column_words.h"
+#include "import/meaning.h"
+
+namespace mm {
+namespace {
+
+// Faults end with the line for the mapping; of two forms, as the sentence is built.
+const std::string kLineFollows = "(--columns): ", kLineBefore = " to the mapping (--columns)", kAdd = "add ";
+
+const std::vector<std::string>& unitsToChoose(UnitKind kind) {
+  static const std::map<UnitKind, std::vector<std::string>> kUnits = {
+      {UnitKind::kLength, {"mm", "um", "inch", "m"}},  {UnitKind::kAngle, {"deg", "arcsec", "rad"}},
+      {UnitKind::kTime, {"s", "ms", "min"}},           {UnitKind::kTemperature, {"degC", "K", "degF"}},
+      {UnitKind::kSpeed, {"mm_s", "mm_min", "m_min"}}, {UnitKind::kTurning, {"deg_s", "rad_s", "rpm"}}};
+  static const std::vector<std::string> kNone;
+  const auto found = kUnits.find(kind);
+  return found == kUnits.end() ? kNone : found->second;
+}
+
+void once(std::vector<std::string>& list, const std::string& text) {
+  if (std::find(list.begin(), list.end(), text) == list.end()) list.push_back(text);
+}
+
+/// The suggestion in every unit of its kind, an error with either sign, and to leave the column out.
+std::vector<std::string> likelyColumns(const std::string& suggested) {
+  std::vector<std::string> likely{suggested};
+  const NameAndUnit split = splitUnit(suggested);
+  for (const char* sign : {"error", "deviation"})
+    if (const std::size_t at = suggested.find('_');
+        split.stem.rfind("error", 0) == 0 || split.stem.rfind("deviation", 0) == 0)
+      once(likely, sign + suggested.substr(at));
+  const auto unit = parseUnit(split.unitText);
+  for (const std::string& other : unit ? unitsToChoose(unit->kind) : std::vector<std::string>())
+    if (suggested.size() > split.unitText.size())
+      once(likely, suggested.substr(0, suggested.size() - split.unitText.size()) + other);
+  once(likely, "ignore");
+  return likely;
+}
+
+std::vector<std::string> likelyValues(const std::string& key, const std::string& suggested,
+                                      const Machine& machine) {
+  static const std::map<std::string, std::vector<std::string>> kWords = {
+      {"decimal", {"comma", "point"}},
+      {"date", {"month_first", "day_first"}},
+      {"unit", {"um", "mm", "nm", "inch", "arcsec", "deg", "urad", "mrad"}},
+      {"surface", {"flat"}},
+      {"mount", {"equatorial"}},
+      {"plane", {"xy", "yz", "zx"}}};
+  std::vector<std::string> likely;
+  const auto found = kWords.find(key);
+  if (found == kWords.end() && key != "axis") return likely;
+  likely.push_back(suggested);
+  for (const std::string& word : key == "axis" ? allNames(machine.joints()) : found->second)
+    once(likely, word);
+  return likely;
+}
+
+/// `key: value` with what follows cut off: a list in brackets or braces whole, else up to the next mark.
+std::string lineAt(const std::string& text) {
+  const std::size_t value = text.find(": ");
+  if (value == std::string::npos) return "";
+  const std::string rest = text.substr(value + 2);
+  const char open = rest.empty() ? ' ' : rest.front();
+  const std::size_t end = open == '{'   ? rest.find('}') + 1
+                          : open == '[' ? rest.find(']') + 1
+                                        : std::min(rest.size(), rest.find_first_of(" ;,"));
+  return text.substr(0, value + 2) + rest.substr(0, end);
+}
+
+class Asked {
+ public:
+  explicit Asked(const Machine& machine) : machine_(machine) {}
+
+  void line(const std::string& yaml) {
+    YAML::Node node;
+    try {
+      node = YAML::Load(yaml);
+    } catch (const YAML::Exception&) {
+      return;  // no line for a mapping after all
+    }
+    if (!node.IsMap()) return;
+    for (const auto& entry : node) {
+      const std::string key = entry.first.Scalar();
+      if (!entry.second.IsMap()) {
+        const std::string value = YAML::Dump(entry.second);
+        add({key, "", value, likelyValues(key, value, machine_)});
+        continue;
+      }
+      for (const auto& column : entry.second)
+        add({key, column.first.Scalar(), column.second.Scalar(), likelyColumns(column.second.Scalar())});
+    }
+  }
+  std::vector<ImportQuestion> all;
+
+ private:
+  void add(ImportQuestion question) {
+    const bool known = std::any_of(all.begin(), all.end(), [&](const ImportQuestion& q) {
+      return q.key == question.key && q.column == question.column;
+    });
+    if (!known) all.push_back(std::move(question));
+  }
+  const Machine& machine_;
+};
+
+}  // namespace
+
+std::vector<ImportQuestion> questionsOf(const std::vector<std::string>& faults, const Machine& machine) {
+  Asked asked(machine);
+  for (const std::string& fault : faults) {
+    const std::size_t before = fault.find(kLineBefore);
+    const std::size_t from = before == std::string::npos ? before : fault.rfind(kAdd, before);
+    if (from != std::string::npos && fault.compare(before + kLineBefore.size(), 1, ":") != 0)
+      asked.line(fault.substr(from + kAdd.size(), before - from - kAdd.size()));
+    for (std::size_t at = fault.find(kLineFollows); at != std::string::npos;
+         at = fault.find(kLineFollows, at + 1))
+      asked.line(lineAt(fault.substr(at + kLineFollows.size())));
+  }
+  return std::move(asked.all);
+}
+
+std::vector<ColumnChoice> columnChoices(const Machine& machine) {
+  std::vector<ColumnChoice> choices;
+  const auto addInWords = [&](const Meaning& meaning, const std::string& words, const std::string& group) {
+    const std::string name = exampleOf(meaning, machine);
+    const std::string own = meaning.kind ? splitUnit(name).unitText : "";
+    if (own.empty()) return choices.push_back({name, words, group});
+    for (const std::string& unit : unitsToChoose(*meaning.kind)) {
+      const auto read = parseUnit(unit, meaning.kind);
+      choices.push_back({name.substr(0, name.size() - own.size()) + unit,
+                         words + ", " + (read ? read->symbol : unit), group});
+    }
+  };
+  const auto add = [&](const Meaning& meaning, const std::string& group) {
+    addInWords(meaning, meaningText(meaning, machine), group);
+  };
+  for (int j = 0; j < machine.jointCount(); ++j) {
+    const std::string group = "joint " + machine.joints()[j].name;
+    add(meaningOf(CsvRole::kPosition, j, machine), group);
+    add(meaningOf(CsvRole::kMeasured, j, machine), group);
+    Meaning deviation = meaningOf(CsvRole::kDeviation, j, machine);
+    const std::string of = " of " + machine.joints()[j].name;
+    addInWords(deviation, "deviation" + of + ", true minus indicated (actual minus target)", group);
+    deviation.reversed = true;
+    addInWords(deviation, "error" + of + ", indicated minus true", group);
+    add(meaningOf(CsvRole::kDirection, j, machine), group);
+    add(meaningOf(CsvRole::kVelocity, j, machine), group);
+  }
+  for (int k = 0; k < 3; ++k) add(meaningOf(CsvRole::kReference, k, machine), "independent instrument");
+  for (const CsvRole role : {CsvRole::kFeature, CsvRole::kTime, CsvRole::kReading, CsvRole::kSetup})
+    add(meaningOf(role, 0, machine), "other");
+  choices.push_back({"ignore", "leave it out", "other"});
+  return choices;
+}
+
+}  // namespace mm

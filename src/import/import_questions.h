@@ -1,0 +1,26 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "machine/machine.h"
+
+namespace mm {
+
+/// What a file does not say and the mapping must: of a fault the line that it asks for.
+struct ImportQuestion {
+  std::string key;                   // of the mapping: "decimal", "axis", "columns" …
+  std::string column;                // which, where the key is "columns"
+  std::string suggested;             // a value that the mapping takes
+  std::vector<std::string> choices;  // likely ones, the suggested first; empty: a number or a list
+};
+
+/// What the faults of a refused file ask for, each once. @param faults as `importFile` throws them.
+std::vector<ImportQuestion> questionsOf(const std::vector<std::string>& faults, const Machine& machine);
+
+/// What a column of a table may be: as the mapping writes it, in words, and under which heading.
+struct ColumnChoice {
+  std::string value, words, group;
+};
+std::vector<ColumnChoice> columnChoices(const Machine& machine);  ///< in the order of the joints
+
+}  // namespace mm

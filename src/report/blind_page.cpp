@@ -1,0 +1,256 @@
+#include "report/blind_page.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <sstream>
+
+#include "base/format.h"
+#include "base/quantity_words.h"
+#include "report/json_parts.h"
+#include "report/report_page.h"
+#include "report/web_files.h"
+
+namespace mm {
+namespace {
+
+std::string inUnit(const BlindReport& r, double value) {
+  return shortNumber(value / unitOf(r.blocks.angular));
+}
+
+Json intervalJson(const TrialFigure& f, double unit) {
+  return {{"value", f.value / unit}, {"lower", f.lower / unit}, {"upper", f.upper / unit}};
+}
+
+std::string badgeOf(TrialVerdict verdict) {
+  switch (verdict) {
+    case TrialVerdict::kHelped:
+      return "It helped";
+    case TrialVerdict::kDidNothing:
+      return "It did nothing";
+    case TrialVerdict::kWrongSign:
+      return "Wrong sign";
+    case TrialVerdict::kWorse:
+      return "It made it worse";
+    case TrialVerdict::kCannotTell:
+      break;
+  }
+  return "Cannot tell";
+}
+
+std::string testText(const BlindReport& r) {
+  return format(
+      "%d blocks with and %d without the correction; 99 %% intervals; randomisation test p = %.2g "
+      "(gain), %.2g (RMS), the smallest possible %.2g",
+      r.on == 'A' ? r.labelled.blocksA : r.labelled.blocksB,
+      r.on == 'A' ? r.labelled.blocksB : r.labelled.blocksA, r.opened.gainP, r.opened.rmsP,
+      r.labelled.smallestP);
+}
+
+/// A quantity of the blocks over their running number: SVG.
+class BlocksFigure {
+ public:
+  BlocksFigure(const BlindReport& report, std::function<double(const TrialBlockFigures&)> value)
+      : report_(report), value_(std::move(value)) {
+    for (const TrialBlockFigures& block : report.blocks.blocks) {
+      low_ = std::min(low_, value_(block));
+      high_ = std::max(high_, value_(block));
+    }
+    if (!(high_ > low_)) high_ = low_ + 1.0;
+    high_ += kMargin * (high_ - low_);
+    if (low_ < 0.0) low_ -= kMargin * (high_ - low_);
+  }
+
+  std::string svg(const std::string& label, const std::vector<double>& levels) const {
+    std::string svg = format("<svg viewBox=\"0 0 %.0f %.0f\" role=\"img\" aria-label=\"", kWidth, kHeight) +
+                      escapedHtml(label) + "\">";
+    for (const double level : levels) svg += levelLine(level);
+    const int count = static_cast<int>(report_.blocks.blocks.size());
+    for (int i = 0; i < count; ++i) svg += mark(report_.blocks.blocks[static_cast<std::size_t>(i)], i);
+    svg += format("<text x=\"%.0f\" y=\"%.1f\" text-anchor=\"middle\">block, in the order of time</text>",
+                  0.5 * (kLeft + kWidth), kHeight - 2.0);
+    return svg + "</svg>";
+  }
+
+ private:
+  static constexpr double kWidth = 400, kHeight = 170, kLeft = 34, kRight = 8, kTop = 10, kBottom = 32;
+  static constexpr double kMargin = 0.08;  // of the range
+
+  double x(int i) const {
+    const double count = std::max<double>(1.0, static_cast<double>(report_.blocks.blocks.size()));
+    return kLeft + (i + 0.5) / count * (kWidth - kLeft - kRight);
+  }
+  double y(double value) const {
+    return kHeight - kBottom - (kHeight - kTop - kBottom) * (value - low_) / (high_ - low_);
+  }
+  std::string levelLine(double level) const {
+    if (level < low_ || level > high_) return {};
+    return format(
+        "<path class=\"zero\" d=\"M%.1f %.1fH%.1f\"/><text x=\"%.1f\" y=\"%.1f\" "
+        "text-anchor=\"end\">%s</text>",
+        kLeft, y(level), kWidth - kRight, kLeft - 4, y(level) + 3.5, shortNumber(level).c_str());
+  }
+  std::string mark(const TrialBlockFigures& block, int i) const {
+    const double at = x(i), height = y(value_(block));
+    std::string svg =
+        format("<path class=\"bar\" d=\"M%.1f %.1fV%.1f\"/>", at, y(std::max(0.0, low_)), height);
+    svg += block.state == report_.on
+               ? format("<circle class=\"on\" cx=\"%.1f\" cy=\"%.1f\" r=\"5\"/>", at, height)
+               : format("<rect class=\"off\" x=\"%.1f\" y=\"%.1f\" width=\"9\" height=\"9\"/>", at - 4.5,
+                        height - 4.5);
+    return svg + format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%d</text>", at,
+                        kHeight - kBottom + 13, block.number);
+  }
+
+  const BlindReport& report_;
+  std::function<double(const TrialBlockFigures&)> value_;
+  double low_ = 0.0, high_ = 0.0;
+};
+
+/// Round levels up to the largest RMS, in its unit.
+std::vector<double> roundLevels(double largest) {
+  if (!positive(largest)) return {0.0};
+  const double decade = std::pow(10.0, std::floor(std::log10(largest)));
+  const double step = largest / decade < 2.0 ? 0.5 * decade : largest / decade < 5.0 ? decade : 2.0 * decade;
+  std::vector<double> levels;
+  for (int k = 0; k * step <= 1.1 * largest; ++k) levels.push_back(k * step);
+  return levels;
+}
+
+std::string figureHtml(const std::string& title, const std::string& svg) {
+  return "<figure><figcaption><b>" + escapedHtml(title) +
+         "</b><span class=\"key\"><i class=\"on\"></i> on <i class=\"off\"></i> off</span></figcaption>" +
+         svg + "</figure>\n";
+}
+
+std::string rowHtml(const std::string& what, const TrialFigure& f, double unit, const std::string& name) {
+  const auto number = [&](double value) { return shortNumber(value / unit); };
+  return "<tr><td>" + what + "</td><td class=\"n\">" + number(f.value) + name + "</td><td class=\"n\">" +
+         number(f.lower) + " to " + number(f.upper) + name + "</td></tr>";
+}
+
+std::string figuresTable(const BlindReport& r) {
+  const double unit = unitOf(r.blocks.angular);
+  const std::string name = " " + escapedHtml(nameOfUnit(r.blocks.angular));
+  return "<div class=\"wide\"><table><tr><th>figure</th><th class=\"n\">value</th><th class=\"n\">99 % "
+         "interval</th></tr>" +
+         rowHtml("RMS without the correction", r.opened.without, unit, name) +
+         rowHtml("RMS with it", r.opened.with, unit, name) +
+         rowHtml("with / without", r.opened.ratio, 1.0, "") +
+         rowHtml("gain: share of the correction that arrives", r.opened.gain, 1.0, "") + "</table></div>\n";
+}
+
+std::string blocksTable(const BlindReport& r) {
+  std::string html =
+      "<div class=\"wide\"><table><tr><th class=\"n\">block</th><th>state</th><th>on</th><th class=\"n\">RMS "
+      "/ " +
+      escapedHtml(nameOfUnit(r.blocks.angular)) +
+      "</th><th class=\"n\">error left</th><th class=\"n\">points</th></tr>";
+  for (const TrialBlockFigures& b : r.blocks.blocks)
+    html += format(
+        "<tr><td class=\"n\">%d</td><td>%c</td><td>%s</td><td class=\"n\">%s</td><td class=\"n\">%.2f</td>"
+        "<td class=\"n\">%d</td></tr>",
+        b.number, b.state, b.state == r.on ? "on" : "off", inUnit(r, b.rms).c_str(), b.remaining,
+        b.measurements);
+  return html + "</table></div>\n";
+}
+
+/// What a sentence says behind the verdict.
+std::string behindVerdict(const std::string& sentence) {
+  const std::size_t colon = sentence.find(": ");
+  return colon == std::string::npos ? sentence : sentence.substr(colon + 2);
+}
+
+constexpr const char* kBlindStyle = R"(
+figure { max-width: 36rem; margin: .6rem 0; padding: .6rem; }
+figcaption { flex-wrap: wrap; font-size: .9rem; }
+svg text { font-size: 11px; }
+svg .on, i.on { fill: var(--accent); background: var(--accent); }
+svg .off { fill: var(--card); stroke: var(--warm); stroke-width: 2; }
+.key i { display: inline-block; width: .7rem; height: .7rem; margin-left: .5rem; }
+.key i.on { border-radius: 50%; }
+.key i.off { border: 2px solid var(--warm); }
+.verdict { border: 1px solid var(--line); border-left: 6px solid var(--warm); border-radius: 6px; background: var(--card); padding: .6rem .9rem; margin: .8rem 0; }
+.verdict.helped { border-left-color: var(--good); }
+.verdict b { font-size: 1.15rem; display: block; }
+.n { text-align: right; font-variant-numeric: tabular-nums; }
+table { margin: .6rem 0 1.2rem; }
+th, td { overflow-wrap: normal; padding-right: .6rem; }
+td.n { white-space: nowrap; }
+)";
+
+}  // namespace
+
+std::string blindJson(const BlindReport& r) {
+  const bool angular = r.blocks.angular;
+  const double unit = unitOf(angular);
+  const std::string rms = "rms_" + nameOfUnit(angular);
+  const auto block = [&](const TrialBlockFigures& b) -> Json {
+    return {{"block", b.number},     {"state", std::string(1, b.state)}, {"correction", b.state == r.on},
+            {rms, b.rms / unit},     {"remaining", b.remaining},         {"measurements", b.measurements},
+            {"outliers", b.outliers}};
+  };
+  return jsonText({{"verdict", nameOf(r.opened.verdict)},
+                   {"in_words", r.opened.inWords},
+                   {"trial", r.blocks.trial},
+                   {"gain", intervalJson(r.opened.gain, 1.0)},
+                   {rms + "_without", intervalJson(r.opened.without, unit)},
+                   {rms + "_with", intervalJson(r.opened.with, unit)},
+                   {"ratio", intervalJson(r.opened.ratio, 1.0)},
+                   {"p_gain", r.opened.gainP},
+                   {"p_rms", r.opened.rmsP},
+                   {"smallest_p", r.labelled.smallestP},
+                   {"predicted_" + nameOfUnit(angular), r.blocks.predicted / unit},
+                   {"blocks_planned", r.blocks.planned},
+                   {"blocks_wanted", orNull(r.opened.blocksWanted > 0, r.opened.blocksWanted)},
+                   {"blocks", jsonList(r.blocks.blocks, block)},
+                   {"remarks", r.blocks.remarks}});
+}
+
+std::string blindText(const BlindReport& r) {
+  std::ostringstream out;
+  out << r.opened.inWords << "\n" << testText(r) << "\n";
+  for (const std::string& remark : r.blocks.remarks) out << "note: " << remark << "\n";
+  const std::string unit = nameOfUnit(r.blocks.angular);
+  out << format("\n  block  correction  %10s  error left  measurements\n", ("RMS / " + unit).c_str());
+  for (const TrialBlockFigures& b : r.blocks.blocks)
+    out << format("  %5d  %-10s  %10s  %10.2f  %12d\n", b.number, b.state == r.on ? "on" : "off",
+                  inUnit(r, b.rms).c_str(), b.remaining, b.measurements);
+  return out.str();
+}
+
+std::string blindPage(const BlindReport& r) {
+  const std::string unit = nameOfUnit(r.blocks.angular);
+  const double size = unitOf(r.blocks.angular);
+  double largest = 0.0;
+  for (const TrialBlockFigures& b : r.blocks.blocks) largest = std::max(largest, b.rms / size);
+  const BlocksFigure rms(r, [size](const TrialBlockFigures& b) { return b.rms / size; });
+  const BlocksFigure left(r, [](const TrialBlockFigures& b) { return b.remaining; });
+  std::string html =
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
+      "<title>Blind trial: measuring machine report</title><style>\n" +
+      webFile("fleet.css") + kBlindStyle +
+      "</style></head><body><main>\n<h1>Blind trial of a correction</h1>" + "<p class=\"soft\">" +
+      escapedHtml(r.session) + "; calibration " + escapedHtml(r.calibration) + "; trial " +
+      escapedHtml(r.blocks.trial) + "</p>\n<div class=\"verdict " + nameOf(r.opened.verdict) + "\"><b>" +
+      badgeOf(r.opened.verdict) + "</b>" + escapedHtml(behindVerdict(r.opened.inWords)) +
+      ".</div>\n<p class=\"soft\">" + escapedHtml(testText(r)) + ".</p>\n";
+  if (!r.blocks.remarks.empty()) {
+    html += "<ul class=\"findings\">";
+    for (const std::string& remark : r.blocks.remarks) html += "<li>" + escapedHtml(remark) + "</li>";
+    html += "</ul>\n";
+  }
+  html += "<h2>Blocks</h2>" +
+          figureHtml("RMS of the residuals / " + unit, rms.svg("RMS of each block", roundLevels(largest))) +
+          figureHtml("Share of the predicted error that is there",
+                     left.svg("Share of the predicted error in each block", {-1.0, 0.0, 1.0, 2.0}));
+  html += "<h2>Figures</h2>" + figuresTable(r) + blocksTable(r) +
+          "<p class=\"soft\">The correction was switched at random, and the states were compared as A and B "
+          "before the key was opened. Pose and zeros are fitted in each block alone; a linear trend over the "
+          "trial is taken out. At most 1 % of the trials say by chance that a correction helped or has the "
+          "wrong sign.</p>\n";
+  return html + "</main></body></html>\n";
+}
+
+}  // namespace mm

@@ -1,0 +1,112 @@
+#include "uncertainty/diagonal_tests.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <tuple>
+
+#include "base/range.h"
+#include "base/units.h"
+
+namespace mm {
+namespace {
+
+constexpr std::size_t kFewestTargets = 5;           // ISO 230-6, as ISO 230-2
+constexpr double kOffTheLine = 0.5 * kMillimetre;   // of a target
+constexpr double kStandsStill = 0.1 * kMillimetre;  // a linear joint that is not of the diagonal
+
+struct LengthRow {
+  int observation = 0;
+  double distance = 0.0;  // m, nominal
+  Eigen::Vector3d out;    // unit vector from the point to the tip
+};
+
+/// A linear joint of the diagonal, and whether it grows as the tip goes away.
+struct DiagonalJoint {
+  std::size_t joint = 0;
+  bool grows = true;
+};
+
+/// Joints that follow the distance, those of the machine in their order; empty: others move too.
+std::vector<DiagonalJoint> jointsOfDiagonal(const Session& session, const std::vector<LengthRow>& rows) {
+  std::vector<DiagonalJoint> joints;
+  const auto least = std::min_element(rows.begin(), rows.end(), [](const LengthRow& a, const LengthRow& b) {
+    return a.distance < b.distance;
+  });
+  const auto most = std::max_element(rows.begin(), rows.end(), [](const LengthRow& a, const LengthRow& b) {
+    return a.distance < b.distance;
+  });
+  for (std::size_t j = 0; j < session.machine.joints().size(); ++j) {
+    const auto at = [&](const LengthRow& row) {
+      return session.observations[static_cast<std::size_t>(row.observation)].position[j];
+    };
+    Range range;
+    for (const LengthRow& row : rows) range.add(at(row));
+    const bool linear = session.machine.joints()[j].kind == JointKind::kLinear;
+    if (range.size() <= (linear ? kStandsStill : 0.05 * kDegree)) continue;
+    if (!linear) return {};
+    joints.push_back({j, at(*most) > at(*least)});
+  }
+  return joints;
+}
+
+std::optional<DiagonalTest> diagonalOf(const Session& session, const std::vector<LengthRow>& rows,
+                                       const ResidualOf& left) {
+  for (const LengthRow& row : rows)
+    if (row.distance * (row.out - rows.front().out).norm() > kOffTheLine) return std::nullopt;
+  const std::vector<DiagonalJoint> joints = jointsOfDiagonal(session, rows);
+  if (joints.size() < 2) return std::nullopt;
+  DiagonalTest test;
+  for (const DiagonalJoint& j : joints)
+    test.name += (j.grows ? "+" : "-") + session.machine.joints()[j.joint].name;
+  double zero = kNotMeasured;
+  for (const LengthRow& row : rows) {
+    const Observation& o = session.observations[static_cast<std::size_t>(row.observation)];
+    const double travel = o.travel[joints.front().joint];
+    if (travel == 0.0) continue;
+    const bool outwards = (travel > 0.0) == joints.front().grows;
+    if (std::isnan(zero)) zero = o.length - row.distance;
+    const double along = row.distance / kMillimetre;
+    test.runs.push_back({along, (o.length - row.distance - zero) / kMicrometre, outwards});
+    const double rest = left ? left(row.observation, 0) : kNotMeasured;
+    if (std::isfinite(rest)) test.leftRuns.push_back({along, rest / kMicrometre, outwards});
+  }
+  if (test.runs.empty()) return std::nullopt;
+  test.measured = positioningTest(test.runs);
+  if (!test.leftRuns.empty()) test.left = positioningTest(test.leftRuns);
+  const auto& targets = test.measured.targets;
+  const auto both = [](const PositioningTarget& t) { return t.forward > 0 && t.backward > 0; };
+  if (static_cast<std::size_t>(std::count_if(targets.begin(), targets.end(), both)) < kFewestTargets)
+    return std::nullopt;
+  return test;
+}
+
+}  // namespace
+
+std::vector<DiagonalTest> diagonalTests(const Session& session, const ResidualOf& left) {
+  std::map<std::tuple<int, int, int>, std::vector<LengthRow>> beams;  // recording, setup, point
+  for (std::size_t i = 0; i < session.observations.size(); ++i) {
+    const Observation& o = session.observations[i];
+    if (o.kind != ObservationKind::kLength || o.feature < 0 || session.poseFree(o.placement)) continue;
+    const Feature& from = session.artifact.features[static_cast<std::size_t>(o.feature)];
+    const Eigen::Vector3d way = session.nominalProbe(o).position - from.position;
+    if (!way.allFinite() || !(way.norm() > 0.0)) continue;
+    beams[{o.recording, o.setup, o.feature}].push_back({static_cast<int>(i), way.norm(), way.normalized()});
+  }
+  std::vector<DiagonalTest> tests;
+  for (const auto& [beam, rows] : beams)
+    if (std::optional<DiagonalTest> test = diagonalOf(session, rows, left)) {
+      const int setup = std::get<1>(beam);
+      if (setup >= 0) test->setup = session.setups[static_cast<std::size_t>(setup)];
+      tests.push_back(std::move(*test));
+    }
+  return tests;
+}
+
+std::string inWords(const DiagonalTest& test) {
+  return "ISO 230-6, diagonal " + test.name + ": " + std::to_string(test.runs.size()) + " readings at " +
+         std::to_string(test.measured.targets.size()) + " positions";
+}
+
+}  // namespace mm

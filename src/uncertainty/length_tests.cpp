@@ -1,0 +1,80 @@
+#include "uncertainty/length_tests.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <tuple>
+
+#include "base/units.h"
+
+namespace mm {
+namespace {
+
+constexpr int kFewestLengths = 5;  // ISO 10360-2
+constexpr double kSameLength = 1.0 * kMillimetre;
+
+struct FaceRow {
+  int observation = 0;
+  double distance = 0.0;  // m, nominal, from the instrument's point
+};
+
+/// Whether a joint of one row came from the other side than that of the other.
+bool fromOppositeSides(const Observation& a, const Observation& b) {
+  for (std::size_t j = 0; j < a.travel.size(); ++j)
+    if (a.travel[j] * b.travel[j] < 0.0) return true;
+  return false;
+}
+
+LengthLineTest lengthsOf(const Session& session, const std::vector<FaceRow>& rows, const ResidualOf& left) {
+  LengthLineTest test;
+  std::set<long> lengths;
+  for (std::size_t i = 0; i + 1 < rows.size(); i += 2) {
+    const FaceRow &near = rows[i], &far = rows[i + 1];
+    const Observation &a = session.observations[static_cast<std::size_t>(near.observation)],
+                      &b = session.observations[static_cast<std::size_t>(far.observation)];
+    const double indicated = far.distance - near.distance;
+    if (indicated < kSameLength || !fromOppositeSides(a, b)) return {};
+    LengthError e;
+    e.length = indicated / kMillimetre;
+    e.error = (indicated - (b.length - a.length)) / kMicrometre;
+    if (left) e.left = (left(near.observation, 0) - left(far.observation, 0)) / kMicrometre;
+    test.largest = std::fmax(test.largest, std::abs(e.error));
+    test.largestLeft = std::fmax(test.largestLeft, std::abs(e.left));
+    lengths.insert(std::lround(indicated / kSameLength));
+    test.errors.push_back(e);
+  }
+  test.lengths = static_cast<int>(lengths.size());
+  return rows.size() % 2 == 0 ? test : LengthLineTest{};
+}
+
+}  // namespace
+
+std::vector<LengthLineTest> lengthTests(const Session& session, const ResidualOf& left) {
+  std::map<std::tuple<int, int, int>, std::vector<FaceRow>> lines;  // recording, setup, point
+  for (std::size_t i = 0; i < session.observations.size(); ++i) {
+    const Observation& o = session.observations[i];
+    if (o.kind != ObservationKind::kLength || o.feature < 0 || session.poseFree(o.placement)) continue;
+    const Feature& from = session.artifact.features[static_cast<std::size_t>(o.feature)];
+    const double distance = (session.nominalProbe(o).position - from.position).norm();
+    if (std::isfinite(distance))
+      lines[{o.recording, o.setup, o.feature}].push_back({static_cast<int>(i), distance});
+  }
+  std::vector<LengthLineTest> tests;
+  for (const auto& [line, rows] : lines) {
+    LengthLineTest test = lengthsOf(session, rows, left);
+    if (test.lengths < kFewestLengths) continue;
+    const int setup = std::get<1>(line);
+    test.name = session.artifact.features[static_cast<std::size_t>(std::get<2>(line))].name;
+    if (setup >= 0) test.setup = session.setups[static_cast<std::size_t>(setup)];
+    tests.push_back(std::move(test));
+  }
+  return tests;
+}
+
+std::string inWords(const LengthLineTest& test) {
+  return "ISO 10360-2, line " + test.name + ": " + std::to_string(test.errors.size()) + " errors of " +
+         std::to_string(test.lengths) + " lengths";
+}
+
+}  // namespace mm

@@ -1,0 +1,131 @@
+#include "uncertainty/rotation_tests.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <tuple>
+
+#include "base/format.h"
+#include "base/range.h"
+#include "base/units.h"
+
+namespace mm {
+namespace {
+
+constexpr std::size_t kFewestAngles = 12;
+constexpr double kShortestTurn = 150.0 * kDegree - 1e-6;
+constexpr double kSmallestRadius = 1.0 * kMillimetre;  // a circle that is smaller has no direction
+constexpr double kRestsLength = 0.05 * kMillimetre, kRestsAngle = 0.05 * kDegree;
+
+using RotationRows = std::vector<int>;
+
+/// The one rotary joint that moved; -1: there is none, or others move too.
+int turningJoint(const Session& session, const RotationRows& rows) {
+  int turning = -1;
+  for (int j = 0; j < session.machine.jointCount(); ++j) {
+    Range range;
+    for (const int i : rows)
+      range.add(session.observations[static_cast<std::size_t>(i)].position[static_cast<std::size_t>(j)]);
+    const bool rotary = session.machine.joints()[static_cast<std::size_t>(j)].kind == JointKind::kRotary;
+    if (range.size() <= (rotary ? kRestsAngle : kRestsLength)) continue;
+    if (!rotary || turning >= 0) return -1;
+    turning = j;
+  }
+  return turning;
+}
+
+/// Plane and circle by least squares through points (rows, m), and how far each is from them, um.
+bool fitRotation(const Eigen::MatrixX3d& points, RotationTest& test) {
+  const Eigen::RowVector3d mean = points.colwise().mean();
+  const Eigen::MatrixX3d about = points.rowwise() - mean;
+  const Eigen::Matrix3d axes = Eigen::JacobiSVD<Eigen::MatrixX3d>(about, Eigen::ComputeThinV).matrixV();
+  const Eigen::MatrixX3d in = about * axes;  // the last column is along the axis
+  Eigen::MatrixX3d design(in.rows(), 3);
+  design << 2.0 * in.leftCols<2>(), Eigen::VectorXd::Ones(in.rows());
+  const Eigen::VectorXd squares = in.leftCols<2>().rowwise().squaredNorm();
+  const Eigen::Vector3d algebraic = design.colPivHouseholderQr().solve(squares);
+  Eigen::Vector2d centre = algebraic.head<2>();
+  double radius = std::sqrt(std::max(0.0, algebraic[2] + centre.squaredNorm()));
+  if (radius < kSmallestRadius) return false;
+  for (int step = 0; step < 3; ++step) {  // from the algebraic circle to that of least squares
+    Eigen::MatrixX3d slope(in.rows(), 3);
+    Eigen::VectorXd off(in.rows());
+    for (Eigen::Index i = 0; i < in.rows(); ++i) {
+      const Eigen::Vector2d way = in.row(i).head<2>().transpose() - centre;
+      off[i] = way.norm() - radius;
+      slope.row(i) << way.transpose() / way.norm(), 1.0;
+    }
+    const Eigen::Vector3d change = slope.colPivHouseholderQr().solve(off);
+    centre += change.head<2>();
+    radius += change[2];
+  }
+  Range radial, axial;
+  for (Eigen::Index i = 0; i < in.rows(); ++i) {
+    const Eigen::Vector2d way = in.row(i).head<2>().transpose() - centre;
+    test.radial.push_back((way.norm() - radius) / kMicrometre);
+    test.axial.push_back(in(i, 2) / kMicrometre);
+    radial.add(test.radial.back());
+    axial.add(test.axial.back());
+  }
+  test.radius = radius / kMillimetre;
+  test.radialError = radial.size();
+  test.axialError = axial.size();
+  return true;
+}
+
+std::optional<RotationTest> rotationOf(const Session& session, RotationRows rows, const ResidualOf& left) {
+  const int joint = turningJoint(session, rows);
+  if (joint < 0) return std::nullopt;
+  const auto observation = [&](int i) -> const Observation& {
+    return session.observations[static_cast<std::size_t>(i)];
+  };
+  const auto at = [&](int i) { return observation(i).position[static_cast<std::size_t>(joint)]; };
+  std::stable_sort(rows.begin(), rows.end(), [&](int a, int b) { return at(a) < at(b); });
+  RotationTest test;
+  std::size_t angles = 1;
+  for (std::size_t i = 1; i < rows.size(); ++i) angles += at(rows[i]) - at(rows[i - 1]) > kRestsAngle;
+  test.turn = at(rows.back()) - at(rows.front());
+  if (angles < kFewestAngles || test.turn < kShortestTurn) return std::nullopt;
+  Eigen::MatrixX3d points(static_cast<Eigen::Index>(rows.size()), 3);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    Eigen::Vector3d point = observation(rows[k]).reference;
+    if (left) {
+      point = session.nominalProbe(observation(rows[k])).position;
+      for (int c = 0; c < 3; ++c) point[c] += left(rows[k], c);
+    }
+    if (!point.allFinite()) return std::nullopt;
+    points.row(static_cast<Eigen::Index>(k)) = point;
+    test.angle.push_back(at(rows[k]));
+  }
+  if (!fitRotation(points, test)) return std::nullopt;
+  test.joint = session.machine.joints()[static_cast<std::size_t>(joint)].name;
+  return test;
+}
+
+}  // namespace
+
+std::vector<RotationTest> rotationTests(const Session& session, const ResidualOf& left) {
+  std::map<std::tuple<int, int, int>, RotationRows> groups;  // recording, setup, placement
+  for (std::size_t i = 0; i < session.observations.size(); ++i) {
+    const Observation& o = session.observations[i];
+    if (o.kind == ObservationKind::kPosition && o.reference.allFinite())
+      groups[{o.recording, o.setup, o.placement}].push_back(static_cast<int>(i));
+  }
+  std::vector<RotationTest> tests;
+  for (const auto& [group, rows] : groups)
+    if (std::optional<RotationTest> test = rotationOf(session, rows, left)) {
+      const int setup = std::get<1>(group);
+      if (setup >= 0) test->setup = session.setups[static_cast<std::size_t>(setup)];
+      tests.push_back(std::move(*test));
+    }
+  return tests;
+}
+
+std::string inWords(const RotationTest& test) {
+  return "ISO 230-7, axis of rotation " + test.joint + ": " + std::to_string(test.angle.size()) +
+         format(" readings over %.0f deg", test.turn / kDegree);
+}
+
+}  // namespace mm
