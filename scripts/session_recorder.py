@@ -15,7 +15,7 @@ import rospy
 from std_msgs.msg import String
 
 TOPICS = (
-    "(joint_states|reference|artifact|robot_description|controller_compensation|axis_driver/status|probe/contact|measure/measured|temperature/.*|covariate/.*)"
+    "(joint_states|reference|artifact|robot_description|controller_compensation|times_assumed|imported_from|axis_driver/status|probe/contact|measure/measured|temperature/.*|covariate/.*)"
 )
 
 

@@ -42,4 +42,29 @@ std::string joined(const std::vector<std::string>& words, std::string_view betwe
   return text;
 }
 
+std::string printableText(std::string_view text, bool lines) {
+  std::string result;
+  result.reserve(text.size());
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto c = static_cast<unsigned char>(text[i]);
+    const auto next = i + 1 < text.size() ? static_cast<unsigned char>(text[i + 1]) : 0;
+    const bool c1 = c == 0xC2 && next >= 0x80 && next < 0xA0;  // as UTF-8 writes it
+    if ((c >= 0x20 && c != 0x7F && !c1) || (lines && c == '\n'))
+      result += text[i];
+    else
+      result += kBlanks.find(text[i]) != std::string_view::npos ? " " : "\uFFFD";
+    i += c1;
+  }
+  return result;
+}
+
+std::string shownText(std::string_view text) {
+  constexpr std::size_t kLettersShown = 120;
+  const auto inside = [](char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; };
+  std::size_t end = 0;
+  for (std::size_t letters = 0; end < text.size(); ++end)
+    if (!inside(text[end]) && letters++ == kLettersShown) break;
+  return printableText(text.substr(0, end)) + (end < text.size() ? "…" : "");
+}
+
 }  // namespace mm

@@ -284,7 +284,7 @@ std::string CalibrationStore::rollback(const std::string& id, const Check& check
   const std::string now = id.empty() ? linked(kActive) : std::string();
   std::string chosen = id, passedOver;
   const std::vector<Promotion> all = promotions();
-  if (!id.empty() && keeps(id) &&
+  if (!id.empty() && keeps(id) && linkedHere(kActive) != id &&
       std::none_of(all.begin(), all.end(), [&](const Promotion& p) { return p.id == id; }))
     throw InputError("calibration '" + id +
                      "' was never active, so nothing leads back to it; promote it instead");

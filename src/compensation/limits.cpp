@@ -17,8 +17,9 @@ constexpr double kReadingSlack = 1e-6;  // m or rad: a joint that stood still ma
 std::string outside(const std::string& name, double value, double lower, double upper, double toUnit,
                     const char* unit) {
   char text[160];
-  std::snprintf(text, sizeof text, " = %.7g%s is outside %.7g to %.7g%s%s", value * toUnit, unit,
-                lower * toUnit, upper * toUnit, unit, kCalibratedRange);
+  std::snprintf(text, sizeof text,
+                " = %.7g%s is outside %.7g to %.7g%s, the calibrated range with its margin", value * toUnit,
+                unit, lower * toUnit, upper * toUnit, unit);
   return name + text;
 }
 

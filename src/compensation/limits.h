@@ -6,9 +6,6 @@
 
 namespace mm {
 
-/// With what a message ends that names a value outside.
-inline constexpr const char* kCalibratedRange = ", the calibrated range with its margin";
-
 /// Where a calibration holds: the readings, temperatures and covariates that its session observed, and the
 /// inputs without which its model has no answer.
 class CalibratedLimits {

@@ -93,6 +93,7 @@ std::string beforeAndAfterText(const Representability& judged) {
   if (!std::isfinite(judged.heldOut)) return "not known: the session has no lengths";
   const auto um = [&](const LeftOfModel& left) {
     const ExpectedError e = judged.measured(left);
+    if (!std::isfinite(e.rms)) return std::string("not known");
     return expanded(e.rms / kMicrometre, e.std / kMicrometre, nameOfUnit(false));
   };
   std::string text;

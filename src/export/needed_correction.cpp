@@ -139,20 +139,20 @@ std::vector<State> NeededCorrection::states(int count, unsigned seed) const {
   return all;
 }
 
-Eigen::Vector3d NeededCorrection::truePosition(State state, const Eigen::VectorXd& parameters) const {
+Eigen::Vector3d NeededCorrection::truePosition(State state,
+                                               Eigen::Matrix<double, 6, Eigen::Dynamic>* byParameter) const {
   const Settled history(state.temperature);
   state.history = &history;
   model_.place(state);
   Model::Workspace work;
-  return model_.corrected(state, parameters.data(), work).position;
+  return model_.corrected(state, parameters_.data(), work, byParameter).position;
 }
 
 Eigen::Vector3d NeededCorrection::besideNominal(const State& command, std::vector<double> readings) const {
   const double beam = model_.domain().laser ? command.laserReading : std::numeric_limits<double>::quiet_NaN();
   State driven = command;
   driven.position = std::move(readings);
-  return truePosition(std::move(driven), parameters_) -
-         model_.machine().nominal(command.position.data(), beam).position;
+  return truePosition(std::move(driven)) - model_.machine().nominal(command.position.data(), beam).position;
 }
 
 Eigen::Vector3d NeededCorrection::displacement(const State& state) const {
@@ -162,12 +162,11 @@ Eigen::Vector3d NeededCorrection::displacement(const State& state) const {
 Eigen::MatrixXd NeededCorrection::uncertain(const std::vector<State>& states) const {
   const Eigen::MatrixXd root = rootOfCovariance(covariance_);
   Eigen::MatrixXd changes(3 * static_cast<Eigen::Index>(states.size()), root.cols());
-  for (std::size_t n = 0; n < states.size(); ++n)
-    for (Eigen::Index k = 0; k < root.cols(); ++k)
-      changes.block<3, 1>(3 * static_cast<Eigen::Index>(n), k) =
-          (truePosition(states[n], parameters_ + root.col(k)) -
-           truePosition(states[n], parameters_ - root.col(k))) /
-          2.0;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> byParameter(6, parameters_.size());
+  for (std::size_t n = 0; n < states.size(); ++n) {
+    truePosition(states[n], &byParameter);
+    changes.middleRows<3>(3 * static_cast<Eigen::Index>(n)) = byParameter.topRows<3>() * root;
+  }
   return changes;
 }
 

@@ -63,7 +63,7 @@ class NeededCorrection {
   Eigen::Vector3d displacement(const State& state) const;
 
   /// How uncertain displacement() is by the parameters: three rows a state, a column an independent
-  /// combination of the parameters, moved by its standard deviation, m.
+  /// combination of the parameters, times its standard deviation, to first order, m.
   Eigen::MatrixXd uncertain(const std::vector<State>& states) const;
 
   /// Where the tables that were active have points over a joint, m or rad; empty: none.
@@ -72,7 +72,8 @@ class NeededCorrection {
   CommandedState commandOf(const State& state) const;
 
  private:
-  Eigen::Vector3d truePosition(State state, const Eigen::VectorXd& parameters) const;
+  Eigen::Vector3d truePosition(State state,
+                               Eigen::Matrix<double, 6, Eigen::Dynamic>* byParameter = nullptr) const;
   Eigen::Vector3d besideNominal(const State& command, std::vector<double> readings) const;
   void checkActive() const;
 

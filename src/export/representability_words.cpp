@@ -132,7 +132,7 @@ std::string representabilityText(const Representability& judged) {
       "RMS over the calibrated volume, temperatures and directions of travel:\n"
       "                       left of the model   at the probe         measured\n";
   for (const LeftAlong& along : judged.along) text += alongText(judged, along);
-  text += expectedWords(judged);
+  if (!judged.along.empty()) text += expectedWords(judged);
   text += "An alignment of the workpiece is taken out of what is left of the model; without that " +
           um(f.unalignedUncorrected) + " and " + um(f.unalignedExported) + ".\n";
   for (const std::string& told : judged.notFollowed) text += "Not followed: " + told + ".\n";

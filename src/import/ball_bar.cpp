@@ -36,7 +36,7 @@ class BallBarReader {
   bool readPlane() {
     std::string plane = lower(table_.said({"plane", "ebene"}, "plane"));
     if (plane.empty()) {
-      context_.refuse("the plane of the circle is not stated; add to the mapping (--columns): plane: xy");
+      context_.refuse("the plane of the circle is not stated; " + context_.ask("plane", "xy"));
       return false;
     }
     for (const auto& [other, name] : {std::pair("g17", "xy"), std::pair("g18", "zx"), std::pair("g19", "yz"),
@@ -48,9 +48,8 @@ class BallBarReader {
       return j >= 0 && context_.machine.joints()[j].kind == JointKind::kLinear;
     };
     if (linear(plane_[0]) && linear(plane_[1]) && plane_[0] != plane_[1]) return true;
-    context_.refuse(
-        "plane '" + plane +
-        "' is not a plane of two linear joints of this machine; add to the mapping (--columns): plane: xy");
+    context_.refuse("plane '" + shownText(plane) + "' is not a plane of two linear joints of this machine; " +
+                    context_.ask("plane", "xy"));
     return false;
   }
 
@@ -59,7 +58,7 @@ class BallBarReader {
     if (!table_.number({"radius", "nominal radius", "bar length", "ballbar length", "length"}, "radius_mm",
                        UnitKind::kLength, "mm", radius_) &&
         context_.faults.count() == before)
-      context_.refuse("the nominal radius is not stated; add to the mapping (--columns): radius_mm: 100");
+      context_.refuse("the nominal radius is not stated; " + context_.ask("radius_mm", "100"));
     if (context_.faults.count() == before && radius_ <= 0.0)
       context_.refuse("the nominal radius must be above 0");
     if (table_.number({"feed", "feedrate", "feed rate", "vorschub"}, "feed_mm_min", UnitKind::kSpeed,
@@ -71,9 +70,8 @@ class BallBarReader {
     if (!table_.place(
             {"centre", "center", "circle centre", "circle center", "centre position", "mittelpunkt"},
             "centre_mm", plane_, centre_))
-      context_.refuse(
-          "the position of the circle (machine reading at its centre) is not stated; add to the mapping "
-          "(--columns): centre_mm: [0, 0, 0]");
+      context_.refuse("the position of the circle (machine reading at its centre) is not stated; " +
+                      context_.ask("centre_mm", "[0, 0, 0]"));
     return context_.faults.count() == before;
   }
 

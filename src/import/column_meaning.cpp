@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "base/cancel_scope.h"
 #include "base/error.h"
 #include "base/format.h"
 #include "base/nearest_name.h"
@@ -22,7 +23,7 @@ namespace {
 class TableUnderstander {
  public:
   TableUnderstander(const TextFile& file, const TableLayout& layout, const ColumnMapping& mapping,
-                    const Machine& machine, const Artifact* artifact, FaultList& faults)
+                    const Machine& machine, const Artifact* artifact, ImportFaults& faults)
       : file_(file),
         layout_(layout),
         mapping_(mapping),
@@ -61,8 +62,9 @@ class TableUnderstander {
       context_.axis = machine_.findJoint(said);
       headed_ = false;
       if (context_.axis < 0)
-        faults_.add(mapping_.source + ":" + std::to_string(mapping_.lines.at("axis")) + ": axis: '" + said +
-                    "' is not a joint of machine '" + machine_.name() + "' (" + joints() + ")");
+        faults_.add(mapping_.source + ":" + std::to_string(mapping_.lines.at("axis")) + ": axis: '" +
+                    shownText(said) + "' is not a joint of machine '" + machine_.name() + "' (" + joints() +
+                    ")");
     }
     if (context_.axis < 0 && machine_.jointCount() == 1) context_.axis = 0;
   }
@@ -74,9 +76,11 @@ class TableUnderstander {
     for (const auto& [name, as] : mapping_.columns) {
       bool found = false;
       for (std::size_t i = 0; i < layout_.names.size(); ++i) found |= faults_.mapped(i, name);
-      if (!found)
-        faults_.add(mapping_.source + ": columns: '" + name + "' is not in " + file_.path().string() + " (" +
-                    listOf(layout_.names) + ")" + didYouMean(name, layout_.names));
+      if (found) continue;
+      std::vector<std::string> names;
+      for (const std::string& there : layout_.names) names.push_back(shownText(there));
+      faults_.add(mapping_.source + ": columns: '" + shownText(name) + "' is not in " +
+                  file_.path().string() + " (" + listOf(names) + ")" + didYouMean(name, names));
     }
   }
 
@@ -128,12 +132,14 @@ class TableUnderstander {
     for (std::size_t i = 0; i < layout_.names.size(); ++i) {
       const bool zero = samples_[i].lower == 0.0 && samples_[i].upper == 0.0;
       const std::string joint = zero || samples_[i].numbers == 0 ? "" : freeJoint(UnitKind::kLength);
-      all += (i > 0 ? ", " : "") + std::to_string(i + 1) + ": " + (joint.empty() ? "ignore" : joint + "_mm");
+      const std::string as = joint.empty() ? "ignore" : joint + "_mm";
+      all += (i > 0 ? ", " : "") + faults_.key(i) + ": " + as;
+      faults_.lines().askColumn(faults_.keyName(i), as);
       table_.columns.push_back(asWritten(i));
     }
-    faults_.add(faults_.place() + "no line names the " + std::to_string(layout_.names.size()) +
-                " columns; add their contents to the mapping (--columns): columns: {" + all +
-                "} (an example), or put a line of names above the rows");
+    faults_.add(faults_.place() + "no line names the " + std::to_string(layout_.names.size()) + " columns; " +
+                addToMapping("columns", "{" + all + "}") +
+                " (an example), or put a line of names above the rows");
   }
 
   UnderstoodColumn asWritten(std::size_t i) const {
@@ -148,6 +154,7 @@ class TableUnderstander {
   }
 
   void column(std::size_t i) {
+    CancelScope::check();
     UnderstoodColumn seen = asWritten(i);
     std::string as;
     for (const auto& [name, value] : mapping_.columns)
@@ -176,7 +183,7 @@ class TableUnderstander {
   /// What a meaning still lacks, and the fault that says so.
   struct Lack {
     bool Meaning::*lacks;
-    std::string (TableUnderstander::*fault)(const Asked&, const Meaning&) const;
+    void (TableUnderstander::*fault)(const Asked&, const Meaning&);
   };
 
   /// The first reader that knows a meaning says it; what that lacks is a fault; else the column is taken.
@@ -196,7 +203,7 @@ class TableUnderstander {
       if (!meaning) meaning = (this->*reader)(asked);
     if (!meaning) return unknown(i, asked.name, asked.said, asked.unit);
     for (const Lack& lack : kLacks)
-      if ((*meaning).*(lack.lacks)) return faults_.add(i, (this->*lack.fault)(asked, *meaning));
+      if ((*meaning).*(lack.lacks)) return (this->*lack.fault)(asked, *meaning);
     if (meaning->axisOfTable) noteAxis(i);
     take(i, *meaning, asked.split, asked.said, c, seen);
   }
@@ -231,22 +238,24 @@ class TableUnderstander {
     return meaningOf(CsvRole::kTime, 0, machine_);
   }
 
-  std::string unclearSign(const Asked& asked, const Meaning& meaning) const {
+  void unclearSign(const Asked& asked, const Meaning& meaning) {
     const Joint& joint = machine_.joints()[meaning.index];
     const std::string of = joint.name + "_" +
                            (asked.unit                         ? asked.unit->symbol
                             : joint.kind == JointKind::kLinear ? "um"
                                                                : "arcsec");
-    return "is an error or a difference, but whether it is indicated minus true (VIM) or actual minus target "
-           "(ISO 230-2) is not stated; " +
-           faults_.remedy(asked.column, "error_" + of) + " for the first, deviation_" + of +
-           " for the second" + (meaning.needsAxis ? " (joints: " + joints() + ")" : "");
+    faults_.add(asked.column,
+                "is an error or a difference, but whether it is indicated minus true (VIM) or actual minus "
+                "target (ISO 230-2) is not stated",
+                "error_" + of,
+                " for the first, deviation_" + of + " for the second" +
+                    (meaning.needsAxis ? " (joints: " + joints() + ")" : ""));
   }
-  std::string noJoint(const Asked& asked, const Meaning& meaning) const {
-    return "does not name its joint (" + joints() +
-           "); for all such columns add axis: " + machine_.joints().front().name +
-           " to the mapping (--columns), or for this one " +
-           faults_.remedy(asked.column, exampleOf(meaning, machine_));
+  void noJoint(const Asked& asked, const Meaning& meaning) {
+    const std::string first = machine_.joints().front().name;
+    faults_.add(asked.column, "does not name its joint (" + joints() + ")", exampleOf(meaning, machine_),
+                ", or for all such columns axis: " + first);
+    faults_.lines().ask("axis", first);
   }
 
   /// From where the joint of a column that does not say its own is known.
@@ -272,7 +281,7 @@ class TableUnderstander {
     const std::vector<std::string> own = fixedColumns(machine_);
     const std::string near = nearestName(name, own);
     if (said) {
-      faults_.add(mapping_.source + ": columns: '" + faults_.key(i) + ": " + name +
+      faults_.add(mapping_.source + ": columns: '" + faults_.key(i) + ": " + shownText(name) +
                   "' is not understood; write <joint>_<unit>, deviation_<joint>_<unit>, reference_x_mm, "
                   "feature, time_s, <sensor>_degC, <name>_<unit> or ignore (joints: " +
                   joints() + ")" + didYouMean(name, own));
@@ -281,17 +290,15 @@ class TableUnderstander {
     if (layout_.headerLine == 0) {
       faults_.add(
           i,
-          "is not in the mapping" +
-              (samples_[i].numbers > 0 ? format(" (%.6g … %.6g)", samples_[i].lower, samples_[i].upper)
-                                       : " ('" + samples_[i].first + "')") +
-              "; " +
-              faults_.remedy(
-                  i, i < static_cast<std::size_t>(machine_.jointCount())
-                         ? exampleOf(meaningOf(CsvRole::kPosition, static_cast<int>(i), machine_), machine_)
-                         : "ignore"));
+          "is not in the mapping" + (samples_[i].numbers > 0
+                                         ? format(" (%.6g … %.6g)", samples_[i].lower, samples_[i].upper)
+                                         : " ('" + shownText(samples_[i].first) + "')"),
+          i < static_cast<std::size_t>(machine_.jointCount())
+              ? exampleOf(meaningOf(CsvRole::kPosition, static_cast<int>(i), machine_), machine_)
+              : "ignore");
       return;
     }
-    const std::string plain = joined(wordsOf(splitUnit(name).stem), "_");
+    const std::string plain = shownText(joined(wordsOf(splitUnit(name).stem), "_"));
     std::string as = !near.empty() ? near : "ignore", or_ = "";
     if (near.empty())
       or_ = ", or state what it contains (joints: " + joints() + "; " + plain + "_<unit> of anything else)";
@@ -312,9 +319,11 @@ class TableUnderstander {
       as = "feature";
       or_ = ", or ignore";
     }
-    faults_.add(i, (layout_.names[i].empty() ? std::string("has no name")
-                                             : std::string("is unknown on this machine")) +
-                       didYouMean(name, own) + "; " + faults_.remedy(i, as) + or_);
+    faults_.add(
+        i,
+        (layout_.names[i].empty() ? std::string("has no name") : std::string("is unknown on this machine")) +
+            didYouMean(name, own),
+        as, or_);
   }
 
   /// The next joint of that kind for which no column was suggested yet.
@@ -368,8 +377,10 @@ class TableUnderstander {
     std::string what = meaningText(m, machine_);
     const auto before = taken_.emplace(what, i);
     if (!before.second) {
-      faults_.add(i, "and column " + faults_.called(before.first->second) + " are both understood as " +
-                         what + "; " + faults_.remedy(i, "ignore") + ", or state what else it contains");
+      faults_.add(
+          i,
+          "and column " + faults_.called(before.first->second) + " are both understood as " + shownText(what),
+          "ignore", ", or state what else it contains");
       c.role = CsvRole::kIgnored;
       return;
     }
@@ -397,7 +408,7 @@ class TableUnderstander {
 }  // namespace
 
 UnderstoodTable understandTable(const TextFile& file, const TableLayout& layout, const ColumnMapping& mapping,
-                                const Machine& machine, const Artifact* artifact, FaultList& faults) {
+                                const Machine& machine, const Artifact* artifact, ImportFaults& faults) {
   return TableUnderstander(file, layout, mapping, machine, artifact, faults).understand();
 }
 

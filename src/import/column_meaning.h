@@ -5,11 +5,11 @@
 
 #include "import/column_mapping.h"
 #include "import/column_words.h"
+#include "import/import_faults.h"
 #include "import/table_layout.h"
 #include "import/unit.h"
 #include "machine/machine.h"
 #include "session/contacts_csv.h"
-#include "session/input_faults.h"
 
 namespace mm {
 
@@ -34,6 +34,6 @@ struct UnderstoodTable {
 /// Understands the columns of a table: by the mapping, then by their names and units, by remarks in the file,
 /// by what the machine can reach. What cannot be known goes to `faults`, each with the line for the mapping.
 UnderstoodTable understandTable(const TextFile& file, const TableLayout& layout, const ColumnMapping& mapping,
-                                const Machine& machine, const Artifact* artifact, FaultList& faults);
+                                const Machine& machine, const Artifact* artifact, ImportFaults& faults);
 
 }  // namespace mm

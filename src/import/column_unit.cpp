@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/format.h"
+#include "base/text.h"
 
 namespace mm {
 bool fitsTravel(const ColumnSample& s, double factor, const Joint& joint) {
@@ -73,12 +74,11 @@ void slashed(std::size_t i, const ColumnSample& s, const ColumnMapping& mapping,
              TimeColumn& time) {
   const std::string order = mapping.setting("date");
   if (!order.empty() && order != "month_first" && order != "day_first")
-    faults.add(mapping.source + ":" + std::to_string(mapping.lines.at("date")) + ": date: is '" + order +
-               "', but must be month_first or day_first");
+    faults.add(mapping.source + ":" + std::to_string(mapping.lines.at("date")) + ": date: is '" +
+               shownText(order) + "', but must be month_first or day_first");
   else if (order.empty() && s.monthFirst == s.dayFirst)
-    faults.add(i, "has dates as " + s.first +
-                      ", and the order of month and day is ambiguous; add to the mapping (--columns): date: "
-                      "month_first (or day_first)");
+    faults.add(i, "has dates as " + shownText(s.first) + ", and the order of month and day is ambiguous; " +
+                      faults.lines().ask("date", "month_first") + " (or day_first)");
   const bool month = order.empty() ? s.monthFirst : order == "month_first";
   time.form = month ? TimeForm::kMonthFirst : TimeForm::kDayFirst;
   time.unit = month ? "calendar, month first" : "calendar, day first";
@@ -97,14 +97,13 @@ void numbers(std::size_t i, const ColumnSample& s, const TableLayout& layout, co
     time.unit = unit->unit.symbol;
     time.since1970 = unit->since1970;
   } else if (!text.empty()) {
-    faults.add(i, "is in '" + text + "', but time is " + unitsOf(UnitKind::kTime) + "; " +
-                      faults.remedy(i, "time_s"));
+    faults.add(i, "is in '" + shownText(text) + "', but time is " + unitsOf(UnitKind::kTime), "time_s");
   } else {
     time.unit = "s";
     time.from = "assumed";
     time.notes.push_back("column " + faults.called(i) +
                          ": times without a unit are taken as seconds; if they are not, " +
-                         faults.remedy(i, "time_ms"));
+                         faults.line(i, "time_ms"));
   }
 }
 
@@ -128,8 +127,10 @@ std::optional<Unit> unitOfColumn(const ColumnPlace& place, const Meaning& m, con
   if (!text.empty()) {
     const auto unit = parseUnit(text, m.kind);
     if (!unit)
-      faults.add(column, "is in '" + text + "'" + where + ", but " + meaningText(m, machine) + " is " +
-                             unitsOf(*m.kind) + "; " + faults.remedy(column, exampleOf(m, machine)));
+      faults.add(column,
+                 "is in '" + shownText(text) + "'" + where + ", but " + shownText(meaningText(m, machine)) +
+                     " is " + unitsOf(*m.kind),
+                 exampleOf(m, machine));
     return unit;
   }
   const RemarkedUnit& remark = *m.kind == UnitKind::kAngle ? remarks.angle : remarks.length;
@@ -141,10 +142,10 @@ std::optional<Unit> unitOfColumn(const ColumnPlace& place, const Meaning& m, con
     from = "its range";
     return unit;
   }
-  faults.add(column, "(" + meaningText(m, machine) + format(", %.6g … %.6g", sample.lower, sample.upper) +
-                         ") has no unit, and its values do not reveal it; " +
-                         faults.remedy(column, exampleOf(m, machine)) +
-                         " (or another unit: " + unitsOf(*m.kind) + ")");
+  faults.add(column,
+             "(" + shownText(meaningText(m, machine)) + format(", %.6g … %.6g", sample.lower, sample.upper) +
+                 ") has no unit, and its values do not reveal it",
+             exampleOf(m, machine), " (or another unit: " + unitsOf(*m.kind) + ")");
   return std::nullopt;
 }
 

@@ -41,9 +41,8 @@ class GaugeReader {
     if (table_.place({"start", "start position", "position", "first face", "face 0"}, "position_mm", {joint},
                      origin_))
       return true;
-    context_.refuse(
-        "the position of the gauge (machine reading at its first face) is not stated; add to the mapping "
-        "(--columns): position_mm: [0, 0, 0]");
+    context_.refuse("the position of the gauge (machine reading at its first face) is not stated; " +
+                    context_.ask("position_mm", "[0, 0, 0]"));
     return false;
   }
 

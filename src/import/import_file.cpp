@@ -16,8 +16,6 @@
 namespace mm {
 namespace {
 
-constexpr std::size_t kLettersShown = 120;  // of a line or a cell
-
 /// The form of a table whose header is that of the package's own format, and whose rows are written so.
 std::optional<TableForm> asOwnFormat(const TextFile& file, const Machine& machine) {
   constexpr int kLooked = 50;  // lines
@@ -62,6 +60,7 @@ void showOwnRows(const TextFile& file, const TableForm& form, Imported& imported
 
 void readOwn(const TextFile& file, const TableForm& form, const Machine& machine, const Artifact* artifact,
              Imported& imported, const ProgressCallback& progress) {
+  refuseTooWide(file, form.headerLine, form.columns.size());
   imported.format = "table";
   imported.how = "the package's own columns";
   for (const CsvColumn& c : form.columns) {
@@ -94,7 +93,8 @@ const ImportFormat& formatNamed(const std::string& name) {
     if (name == f.name) return f;
     names.emplace_back(f.name);
   }
-  throw InputError("--format: '" + name + "' is not known (" + listOf(names) + ")" + didYouMean(name, names));
+  throw InputError("--format: '" + shownText(name) + "' is not known (" + listOf(names) + ")" +
+                   didYouMean(name, names));
 }
 
 std::string rangeText(const UnderstoodColumn& c) {
@@ -151,17 +151,17 @@ void importFile(const ImportRequest& request, const Machine& machine, const Arti
   const ImportFormat* chosen = wanted.empty() ? nullptr : &formatNamed(wanted);
   const TextFile file = request.content ? TextFile(request.file, *request.content) : TextFile(request.file);
   const std::size_t shown = std::min(kLinesShown, file.lines().size());
-  for (std::size_t n = 0; n < shown; ++n)
-    imported.head.emplace_back(file.lines()[n].substr(0, kLettersShown));
+  for (std::size_t n = 0; n < shown; ++n) imported.head.emplace_back(file.lines()[n]);
   if (mapping.source.empty() && (wanted.empty() || wanted == "table"))
     if (const auto form = asOwnFormat(file, machine))
       return readOwn(file, *form, machine, artifact, imported, progress);
   for (const ImportFormat& f : importFormats())
     if (chosen == nullptr && f.recognises(file)) chosen = &f;
   imported.format = chosen->name;
-  FaultList faults;
+  ImportFaults faults;
   ImportContext context{file, mapping, machine, artifact, faults, imported};
   chosen->read(context);
+  imported.lacks = faults.lines();
   faults.throwIfAny();
   if (progress) progress(1.0);
 }
@@ -220,8 +220,7 @@ void finishImport(ImportContext& context, Session session) {
 
 std::vector<std::string> shownCells(const std::vector<std::string_view>& cells, std::size_t columns) {
   std::vector<std::string> shown(columns);
-  for (std::size_t i = 0; i < std::min(columns, cells.size()); ++i)
-    shown[i] = cells[i].substr(0, kLettersShown);
+  for (std::size_t i = 0; i < std::min(columns, cells.size()); ++i) shown[i] = cells[i];
   return shown;
 }
 

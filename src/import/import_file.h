@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "import/column_meaning.h"
+#include "import/import_faults.h"
 #include "session/motion.h"
 #include "session/progress.h"
 #include "session/session.h"
@@ -30,6 +31,7 @@ struct Imported {
   std::vector<std::string> notes;  // what was left out, assumed or made of the file, one line each
   std::vector<std::vector<std::string>> rows;  // the first as written, a cell a column; empty: no such table
   std::vector<std::string> head;               // first lines of the file
+  std::vector<MappingLine> lacks;              // what a refused file asks the mapping for
   std::vector<MotionSample> motion;  // directions of travel to targets at which the machine stood still
 };
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "import/column_mapping.h"
+#include "import/import_faults.h"
 #include "import/import_file.h"
-#include "session/input_faults.h"
 #include "session/text_file.h"
 
 namespace mm {
@@ -16,12 +16,14 @@ struct ImportContext {
   const ColumnMapping& mapping;
   const Machine& machine;
   const Artifact* artifact;  // null: none was given
-  FaultList& faults;
+  ImportFaults& faults;
   Imported& imported;
 
   void refuse(const std::string& what) const { faults.add(file.path().string() + ": " + what); }  ///< a fault
   /// A fault of one line (from 1).
   void refuse(std::size_t line, const std::string& what) const { faults.add(file.place(line) + what); }
+  /// A line that the mapping lacks, for the sentence of the fault that it mends.
+  std::string ask(const std::string& key, const std::string& value) const { return faults.ask(key, value); }
   void note(const std::string& text) const { imported.notes.push_back(text); }  ///< one line
 };
 
@@ -79,7 +81,7 @@ Observation blankRow(const ImportContext& context, ObservationKind kind, std::si
 /// Index of a setup, made when it is new.
 int setupIndex(Session& session, const std::string& name);
 
-/// The cells of a row as they are shown: as many as there are columns, of a long one its beginning.
+/// The cells of a row: as many as there are columns.
 std::vector<std::string> shownCells(const std::vector<std::string_view>& cells, std::size_t columns);
 
 /// Whether one of the first lines has one of these words, `ball bar|iso 230-4` in small letters.

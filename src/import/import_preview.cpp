@@ -37,6 +37,18 @@ Json sessionJson(const Session& session) {
           {"compensation", session.compensation.inWords()}};
 }
 
+/// Cells and names of the file as people see them.
+void makeShown(Imported& imported) {
+  const auto each = [](std::vector<std::string>& texts) {
+    for (std::string& text : texts) text = shownText(text);
+  };
+  for (UnderstoodColumn& c : imported.columns)
+    for (std::string* text : {&c.name, &c.meaning, &c.unit, &c.first}) *text = shownText(*text);
+  for (std::vector<std::string>& row : imported.rows) each(row);
+  each(imported.head);
+  for (std::string& note : imported.notes) note = printableText(note);
+}
+
 void read(const ImportRequest& request, const Machine& machine, const Artifact* artifact,
           const ProgressCallback& progress, ImportPreview& preview) {
   try {
@@ -54,13 +66,16 @@ ImportPreview previewImport(const ImportRequest& request, const Machine& machine
                             const ControllerCompensation& compensation, const ProgressCallback& progress) {
   ImportPreview preview;
   read(request, machine, artifact, progress, preview);
+  makeShown(preview.imported);
+  for (std::string& fault : preview.faults) fault = printableText(fault);
   if (!preview.faults.empty()) {
     preview.imported.session.reset();
-    preview.asked = questionsOf(preview.faults, machine);
+    preview.asked = questionsOf(preview.imported.lacks, machine);
     return preview;
   }
   preview.imported.session->compensation = compensation;
   preview.doubts = sensibleDoubts(*preview.imported.session);
+  for (Doubt& d : preview.doubts) d.question = printableText(d.question);
   return preview;
 }
 
@@ -69,7 +84,7 @@ std::string previewText(const ImportPreview& preview) {
   std::string text = imported.columns.empty() && !imported.session ? "" : understoodText(imported);
   if (imported.session) text += summarize(*imported.session);
   for (const Doubt& d : preview.doubts) text += "question: " + d.question + "\n";
-  return text;
+  return printableText(text, true);
 }
 
 Json previewJson(const ImportRequest& request, const ImportPreview& preview, const std::string& written) {

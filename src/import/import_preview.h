@@ -17,7 +17,8 @@ struct ImportPreview {
   std::vector<Doubt> doubts;          // questions about the session that it became
 };
 
-/// Reads a file as importFile(); what that throws of the file becomes `faults`. @param compensation that was
+/// Reads a file as importFile(); what that throws of the file becomes `faults`. Texts of the file are
+/// shownText(). @param compensation that was
 /// active while it was measured. @throw Cancelled.
 ImportPreview previewImport(const ImportRequest& request, const Machine& machine, const Artifact* artifact,
                             const ControllerCompensation& compensation = {},

@@ -1,7 +1,5 @@
 #include "import/import_questions.h"
 
-#include <yaml-cpp/yaml.h>
-
 #include <algorithm>
 #include <map>
 
@@ -12,9 +10,6 @@
 
 namespace mm {
 namespace {
-
-// Faults end with the line for the mapping; of two forms, as the sentence is built.
-const std::string kLineFollows = "(--columns): ", kLineBefore = " to the mapping (--columns)", kAdd = "add ";
 
 const std::vector<std::string>& unitsToChoose(UnitKind kind) {
   static const std::map<UnitKind, std::vector<std::string>> kUnits = {
@@ -64,67 +59,15 @@ std::vector<std::string> likelyValues(const std::string& key, const std::string&
   return likely;
 }
 
-/// `key: value` with what follows cut off: a list in brackets or braces whole, else up to the next mark.
-std::string lineAt(const std::string& text) {
-  const std::size_t value = text.find(": ");
-  if (value == std::string::npos) return "";
-  const std::string rest = text.substr(value + 2);
-  const char open = rest.empty() ? ' ' : rest.front();
-  const std::size_t end = open == '{'   ? rest.find('}') + 1
-                          : open == '[' ? rest.find(']') + 1
-                                        : std::min(rest.size(), rest.find_first_of(" ;,"));
-  return text.substr(0, value + 2) + rest.substr(0, end);
-}
-
-class Asked {
- public:
-  explicit Asked(const Machine& machine) : machine_(machine) {}
-
-  void line(const std::string& yaml) {
-    YAML::Node node;
-    try {
-      node = YAML::Load(yaml);
-    } catch (const YAML::Exception&) {
-      return;  // no line for a mapping after all
-    }
-    if (!node.IsMap()) return;
-    for (const auto& entry : node) {
-      const std::string key = entry.first.Scalar();
-      if (!entry.second.IsMap()) {
-        const std::string value = YAML::Dump(entry.second);
-        add({key, "", value, likelyValues(key, value, machine_)});
-        continue;
-      }
-      for (const auto& column : entry.second)
-        add({key, column.first.Scalar(), column.second.Scalar(), likelyColumns(column.second.Scalar())});
-    }
-  }
-  std::vector<ImportQuestion> all;
-
- private:
-  void add(ImportQuestion question) {
-    const bool known = std::any_of(all.begin(), all.end(), [&](const ImportQuestion& q) {
-      return q.key == question.key && q.column == question.column;
-    });
-    if (!known) all.push_back(std::move(question));
-  }
-  const Machine& machine_;
-};
-
 }  // namespace
 
-std::vector<ImportQuestion> questionsOf(const std::vector<std::string>& faults, const Machine& machine) {
-  Asked asked(machine);
-  for (const std::string& fault : faults) {
-    const std::size_t before = fault.find(kLineBefore);
-    const std::size_t from = before == std::string::npos ? before : fault.rfind(kAdd, before);
-    if (from != std::string::npos && fault.compare(before + kLineBefore.size(), 1, ":") != 0)
-      asked.line(fault.substr(from + kAdd.size(), before - from - kAdd.size()));
-    for (std::size_t at = fault.find(kLineFollows); at != std::string::npos;
-         at = fault.find(kLineFollows, at + 1))
-      asked.line(lineAt(fault.substr(at + kLineFollows.size())));
-  }
-  return std::move(asked.all);
+std::vector<ImportQuestion> questionsOf(const std::vector<MappingLine>& lines, const Machine& machine) {
+  std::vector<ImportQuestion> asked;
+  for (const MappingLine& line : lines)
+    asked.push_back(
+        {line.key, line.column, line.value,
+         line.column.empty() ? likelyValues(line.key, line.value, machine) : likelyColumns(line.value)});
+  return asked;
 }
 
 std::vector<ColumnChoice> columnChoices(const Machine& machine) {

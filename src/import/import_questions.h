@@ -2,11 +2,12 @@
 #include <string>
 #include <vector>
 
+#include "import/import_faults.h"
 #include "machine/machine.h"
 
 namespace mm {
 
-/// What a file does not say and the mapping must: of a fault the line that it asks for.
+/// What a file does not say and the mapping must.
 struct ImportQuestion {
   std::string key;                   // of the mapping: "decimal", "axis", "columns" …
   std::string column;                // which, where the key is "columns"
@@ -14,8 +15,8 @@ struct ImportQuestion {
   std::vector<std::string> choices;  // likely ones, the suggested first; empty: a number or a list
 };
 
-/// What the faults of a refused file ask for, each once. @param faults as `importFile` throws them.
-std::vector<ImportQuestion> questionsOf(const std::vector<std::string>& faults, const Machine& machine);
+/// The lines that a mapping lacks, with likely answers.
+std::vector<ImportQuestion> questionsOf(const std::vector<MappingLine>& lines, const Machine& machine);
 
 /// What a column of a table may be: as the mapping writes it, in words, and under which heading.
 struct ColumnChoice {

@@ -86,8 +86,8 @@ class TPointReader {
     constexpr double kUpright = 0.5;
     if (std::abs(first.z()) < kUpright) {
       context_.refuse("the first joint '" + machine.joints()[0].name +
-                      "' is not vertical in the URDF, so the sense of its angle is unknown; add to the "
-                      "mapping (--columns): sign: [-1, 1]");
+                      "' is not vertical in the URDF, so the sense of its angle is unknown; " +
+                      context_.ask("sign", "[-1, 1]"));
       return false;
     }
     const double up = first.z() > 0.0 ? 1.0 : -1.0;
@@ -131,8 +131,8 @@ class TPointReader {
     if (context_.mapping.setting("mount") != "equatorial") {
       context_.refuse(
           "the stars are in right ascension and declination; the file does not state whether these are "
-          "observed places (with refraction) of an equatorial mount; if they are, add to the mapping "
-          "(--columns): mount: equatorial; otherwise give azimuths and elevations");
+          "observed places (with refraction) of an equatorial mount; if they are, " +
+          context_.ask("mount", "equatorial") + "; otherwise give azimuths and elevations");
       return;
     }
     const std::vector<std::string_view> words = wordsIn(line);

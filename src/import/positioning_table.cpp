@@ -125,8 +125,8 @@ class PositioningReader {
 
   bool numberAt(const std::string& cell, std::size_t line, double& value) {
     if (parseNumber(cell, table_.layout().decimalComma, value)) return true;
-    context_.refuse(line,
-                    "'" + cell + "' is not a finite number; leave the cell empty where nothing was measured");
+    context_.refuse(line, "'" + shownText(cell) +
+                              "' is not a finite number; leave the cell empty where nothing was measured");
     return false;
   }
 
@@ -142,7 +142,7 @@ class PositioningReader {
     for (std::size_t i = 1; i < names.size(); ++i) {
       const auto run = runOf(names[i]);
       if (!run) {
-        context_.note("column '" + names[i] + "' is not a run and was ignored");
+        context_.note("column '" + shownText(names[i]) + "' is not a run and was ignored");
         continue;
       }
       table_.show(static_cast<int>(i), "run " + std::to_string(run->number) + directionText(*run), "");
@@ -194,8 +194,9 @@ class PositioningReader {
   bool units() {
     const auto targets = parseUnit(unitOfTargets(), kind_);
     if (!targets) {
-      context_.refuse("the targets are in '" + unitOfTargets() + "', but they are " + unitsOf(kind_) +
-                      "; write the unit after the name: Target [" + (linear_ ? "mm]" : "deg]"));
+      context_.refuse("the targets are in '" + shownText(unitOfTargets()) + "', but they are " +
+                      unitsOf(kind_) + "; write the unit after the name: Target [" +
+                      (linear_ ? "mm]" : "deg]"));
       return false;
     }
     targetUnit_ = targets->factor;
@@ -221,8 +222,8 @@ class PositioningReader {
     const auto unit = parseUnit(said, kind_);
     if (!unit) {
       context_.refuse("the unit of the deviations " +
-                      (said.empty() ? std::string("is not stated") : "is '" + said + "'") +
-                      "; add to the mapping (--columns): unit: " + (linear_ ? "um" : "arcsec"));
+                      (said.empty() ? std::string("is not stated") : "is '" + shownText(said) + "'") + "; " +
+                      context_.ask("unit", linear_ ? "um" : "arcsec"));
       return false;
     }
     valueUnit_ = unit->factor;
@@ -273,7 +274,8 @@ bool isPositioningTable(const TextFile& file) {
   bool oneRowEach = false;  // a header that has a column of deviations, and none of runs
   for (std::size_t i = 0; i < std::min(kLooked, file.lines().size()); ++i)
     for (const char separator : {'\t', ';', ','}) {
-      if (!splitCells(file.lines()[i], cells, separator) || cells.size() < 3) continue;
+      if (!splitCells(file.lines()[i], cells, separator) || cells.size() < 3 || cells.size() > kMostColumns)
+        continue;
       std::size_t directed = 0, runs = 0, measured = 0;
       for (std::size_t k = 1; k < cells.size(); ++k) {
         double value = 0.0;

@@ -208,9 +208,9 @@ class BedSession {
     }
     context_.refuse(
         format("%zu points on the bed, each probed once: the form of the bed cannot be separated from the "
-               "error of the machine; if the bed is a flat reference (a glass or granite plate), add to the "
-               "mapping (--columns): surface: flat; otherwise probe points repeatedly",
-               counts.size()));
+               "error of the machine; if the bed is a flat reference (a glass or granite plate), ",
+               counts.size()) +
+        context_.ask("surface", "flat") + "; otherwise probe points repeatedly");
     return false;
   }
 
@@ -302,9 +302,8 @@ void readMarlinLog(ImportContext& context) {
   if (placeUnknown) {
     const std::vector<double> place = numbersIn(context.mapping.setting("position_mm"));
     if (place.size() < 2) {
-      context.refuse(
-          "the log does not contain the position of M48 (no line `M48 … X Y`); add to the mapping "
-          "(--columns): position_mm: [100, 100]");
+      context.refuse("the log does not contain the position of M48 (no line `M48 … X Y`); " +
+                     context.ask("position_mm", "[100, 100]"));
       return;
     }
     for (Touch& t : touches)

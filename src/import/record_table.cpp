@@ -40,7 +40,7 @@ RecordTable::RecordTable(ImportContext& context)
       between_[n] = {key, value};
     else if (!numbers || sumsUp(cells))
       context.note("line " + std::to_string(n) + " is not a data row and was skipped: '" +
-                   std::string(trim(line).substr(0, 60)) + "'");
+                   shownText(trim(line)) + "'");
     else
       rows_.push_back({n, {cells.begin(), cells.end()}});
   });
@@ -73,8 +73,8 @@ bool RecordTable::number(const std::vector<std::string>& keys, const std::string
   const std::string digits(trim(said.text.substr(0, end))), behind(trim(said.text.substr(end)));
   const auto read = parseUnit(!behind.empty() ? behind : !said.unitText.empty() ? said.unitText : unit, kind);
   if (!read || (!parseNumber(digits, false, value) && !parseNumber(digits, true, value))) {
-    context_.refuse("'" + said.key + "' is '" + said.text + "', but must be " + unitsOf(kind) +
-                    "; add to the mapping (--columns): " + mapped + ": <number>");
+    context_.refuse("'" + shownText(said.key) + "' is '" + shownText(said.text) + "', but must be " +
+                    unitsOf(kind) + "; " + context_.ask(mapped, "<number>"));
     return false;
   }
   value *= read->factor;
@@ -106,7 +106,7 @@ double RecordTable::value(const Row& row, int column, UnitKind kind, std::string
   double value = 0.0;
   if (!parseNumber(cell, layout_.decimalComma, value)) {
     context_.refuse(row.line,
-                    "column '" + name + "': '" + cell +
+                    "column '" + shownText(name) + "': '" + shownText(cell) +
                         "' is not a finite number; leave the cell empty where nothing was measured");
     return kNotMeasured;
   }
@@ -117,10 +117,10 @@ double RecordTable::value(const Row& row, int column, UnitKind kind, std::string
   if (unitText.empty()) unitText = fallback;
   const auto unit = parseUnit(unitText, kind);
   if (!unit) {
-    refuseHead("column '" + name + (unitText.empty() ? "' has no unit" : "' is in '" + unitText + "'") +
-               ", but it is " + unitsOf(kind) +
-               "; write the unit in brackets after the name, or add to the mapping (--columns): unit: " +
-               (kind == UnitKind::kLength ? "um" : "deg"));
+    refuseHead("column '" + shownText(name) +
+               (unitText.empty() ? "' has no unit" : "' is in '" + shownText(unitText) + "'") +
+               ", but it is " + unitsOf(kind) + "; write the unit in brackets after the name, or " +
+               context_.ask("unit", kind == UnitKind::kLength ? "um" : "deg"));
     return kNotMeasured;
   }
   return value * unit->factor + unit->offset;
@@ -134,11 +134,11 @@ std::string RecordTable::text(const Row& row, int column) const {
 int RecordTable::joint(const std::string& name, const std::string& key) {
   const int j = jointOf(context_.machine, name);
   if (j < 0)
-    context_.refuse(
-        key + " " +
-        (name.empty() ? std::string("is not stated") : "'" + name + "' is not a joint of this machine") +
-        " (" + jointNames(context_.machine) + "); add to the mapping (--columns): " + key + ": " +
-        context_.machine.joints().front().name);
+    context_.refuse(key + " " +
+                    (name.empty() ? std::string("is not stated")
+                                  : "'" + shownText(name) + "' is not a joint of this machine") +
+                    " (" + jointNames(context_.machine) + "); " +
+                    context_.ask(key, context_.machine.joints().front().name));
   return j;
 }
 

@@ -1,5 +1,6 @@
 #include <optional>
 
+#include "base/text.h"
 #include "import/column_unit.h"
 #include "import/import_format.h"
 
@@ -9,7 +10,7 @@ namespace {
 /// Whether readings of joints in which the decimal mark is not seen fit the travels with this mark.
 bool fitsTravels(const ImportContext& context, TableLayout layout, bool comma) {
   layout.decimalComma = comma;
-  FaultList faults;
+  ImportFaults faults;
   const UnderstoodTable table =
       understandTable(context.file, layout, context.mapping, context.machine, context.artifact, faults);
   const std::vector<ColumnSample> samples = columnSamples(context.file, layout);
@@ -33,12 +34,10 @@ void seeMarkByTravels(ImportContext& context, TableLayout& layout) {
   layout.decimalComma = comma;
   const UnclearNumber u = layout.marks.unclear.front();
   layout.marks.unclear.clear();
-  context.note(
-      "line " + std::to_string(u.line) + ": '" + u.cell + "' is taken with " +
-      (comma ? "a decimal comma" : "thousands set apart by a comma") +
-      ", because only then are the readings within the travels; if that is wrong, add to the mapping "
-      "(--columns): decimal: " +
-      (comma ? "point" : "comma"));
+  context.note("line " + std::to_string(u.line) + ": '" + shownText(u.cell) + "' is taken with " +
+               (comma ? "a decimal comma" : "thousands set apart by a comma") +
+               ", because only then are the readings within the travels; if that is wrong, " +
+               addToMapping("decimal", comma ? "point" : "comma"));
 }
 
 /// The first rows as written, for people.

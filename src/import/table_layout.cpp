@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "base/cancel_scope.h"
 #include "base/error.h"
 #include "base/format.h"
 #include "base/text.h"
@@ -70,8 +71,10 @@ class LayoutFinder {
   TableLayout find() {
     if (lines_.empty()) throw InputError(file_.path().string() + ": contains remarks only, no measurements");
     findSeparator();
+    refuseTooWide(file_, widthLine_, columns_);
     findRows();
     findHeader();
+    refuseTooWide(file_, layout_.headerLine, layout_.names.size());
     findDecimalMark();
     for (const Line& line : lines_)
       if (line.number < layout_.lastHead() + 1 && line.number != layout_.headerLine &&
@@ -87,25 +90,36 @@ class LayoutFinder {
     double best = 0.0;
     for (const char candidate : {'\t', ';', ',', '|', ' '}) {
       if (mapping_.separator && candidate != *mapping_.separator) continue;
-      std::map<std::size_t, std::pair<int, double>> counts;  // cells -> lines, their share of values
+      struct Seen {
+        std::size_t first = 0;  // line
+        int lines = 0;
+        double share = 0.0;  // of values
+      };
+      std::map<std::size_t, Seen> counts;  // by the number of cells
       int all = 0;
       for (const Line& line : lines_) {
+        CancelScope::check();
         const auto cells = cellsOf(line.text, candidate);
         const std::size_t count = countOf(cells);
         if (count > 0) {
           int values = 0;
-          for (std::size_t i = 0; i < count; ++i) values += cells[i].empty() || isValue(cells[i]);
-          auto& c = counts[count];
-          ++c.first;
-          c.second += static_cast<double>(values) / static_cast<double>(count);
+          const std::size_t looked = std::min(count, kMostColumns);
+          for (std::size_t i = 0; i < looked; ++i) values += cells[i].empty() || isValue(cells[i]);
+          Seen& seen = counts[count];
+          if (seen.lines++ == 0) seen.first = line.number;
+          seen.share += static_cast<double>(values) / static_cast<double>(looked);
         }
         if (++all == static_cast<int>(kLooked)) break;
       }
       for (const auto& [count, seen] : counts) {
         if (count < 2 && !mapping_.separator) continue;
         // lines that agree, and values in their cells: either alone may be chance
-        const double score = (static_cast<double>(seen.first) / all) * (0.05 + seen.second / seen.first);
-        if (score > best * 1.0001) best = score, layout_.separator = candidate, columns_ = count;
+        const double score = (static_cast<double>(seen.lines) / all) * (0.05 + seen.share / seen.lines);
+        if (score <= best * 1.0001) continue;
+        best = score;
+        layout_.separator = candidate;
+        columns_ = count;
+        widthLine_ = seen.first;
       }
     }
     if (best == 0.0)
@@ -255,7 +269,7 @@ class LayoutFinder {
   const TextFile& file_;
   const ColumnMapping& mapping_;
   std::vector<Line> lines_;  // neither blank nor remarks
-  std::size_t columns_ = 0, groupLine_ = 0;
+  std::size_t columns_ = 0, widthLine_ = 0, groupLine_ = 0;
   TableLayout layout_;
 };
 
@@ -291,7 +305,7 @@ bool keyValue(std::string_view text, std::string& key, std::string& value) {
 }
 
 void refuseUnclear(const TextFile& file, const TableLayout& layout, const UnclearNumber& u,
-                   FaultList& faults) {
+                   ImportFaults& faults) {
   double decimal = 0.0, grouped = 0.0;
   const bool comma = u.cell.find(',') != std::string::npos;
   std::string unit;
@@ -299,13 +313,20 @@ void refuseUnclear(const TextFile& file, const TableLayout& layout, const Unclea
   if (!parseNumber(u.cell, !comma, grouped)) parseWithUnit(u.cell, !comma, grouped, unit);
   const std::string is = layout.decimalComma ? "comma" : "point";
   const std::string other = layout.decimalComma ? "point" : "comma";
-  const std::string write = "add to the mapping (--columns): decimal: " + is;
-  faults.add(file.place(u.line) + "column '" + layout.names[u.column] + "': whether '" + u.cell + "' is " +
-             format("%.6g or %.6g", decimal, grouped) + " cannot be seen" +
+  const std::string write = faults.ask("decimal", is);
+  faults.add(file.place(u.line) + "column '" + shownText(layout.names[u.column]) + "': whether '" +
+             shownText(u.cell) + "' is " + format("%.6g or %.6g", decimal, grouped) + " cannot be seen" +
              (layout.marks.proven
                   ? ", as other columns have a decimal " + is + "; if it has thousands set apart, " + write +
                         ", else correct the file"
                   : "; " + write + " (or " + other + ")"));
+}
+
+void refuseTooWide(const TextFile& file, std::size_t line, std::size_t columns) {
+  if (columns > kMostColumns)
+    throw InputError(file.place(std::max<std::size_t>(1, line)) + std::to_string(columns) +
+                     " columns, at most " + std::to_string(kMostColumns) +
+                     " are read; omit those that are not needed");
 }
 
 TableLayout tableLayout(const TextFile& file, const ColumnMapping& mapping) {
@@ -326,6 +347,7 @@ void eachRow(const TextFile& file, const TableLayout& layout,
              const std::function<void(std::size_t, std::string_view, Cells&)>& tell) {
   for (std::size_t n = layout.firstRow; n > 0 && n <= file.lines().size(); ++n) {
     const std::string_view line = file.lines()[n - 1];
+    CancelScope::check();
     if (trim(line).empty() || isRemark(line)) continue;
     Cells cells = cellsOf(line, layout.separator);
     tell(n, line, cells);

@@ -9,8 +9,8 @@
 
 #include "import/column_mapping.h"
 #include "import/decimal_mark.h"
+#include "import/import_faults.h"
 #include "session/csv_cells.h"
-#include "session/input_faults.h"
 #include "session/text_file.h"
 
 namespace mm {
@@ -32,6 +32,10 @@ struct TableLayout {
   /// "separated by ';', decimal comma".
   std::string inWords() const;
 };
+
+inline constexpr std::size_t kMostColumns = 2000;
+/// @throw InputError: the table has more columns than that. @param line that has them.
+void refuseTooWide(const TextFile& file, std::size_t line, std::size_t columns);
 
 /// Looks at separators, decimal mark, remarks, header and units line. What the mapping says is taken from it.
 /// @throw InputError when the file holds no table.
@@ -61,7 +65,7 @@ std::vector<ColumnSample> columnSamples(const TextFile& file, const TableLayout&
 
 /// A fault: the decimal mark cannot be seen, with the line for the mapping.
 void refuseUnclear(const TextFile& file, const TableLayout& layout, const UnclearNumber& number,
-                   FaultList& faults);
+                   ImportFaults& faults);
 
 /// A number and the unit behind it: `12.5 mm`. False where there is no unit.
 bool parseWithUnit(std::string_view cell, bool decimalComma, double& value, std::string& unit);

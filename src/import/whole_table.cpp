@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/format.h"
+#include "base/text.h"
 #include "import/column_words.h"
 #include "import/meaning.h"
 #include "import/unit.h"
@@ -20,9 +21,9 @@ bool hasAny(const UnderstoodTable& table, std::initializer_list<CsvRole> roles) 
 }
 
 /// What may hold the measurement of a table in which nothing says so: the column left out that is in the
-/// smallest unit of length, else one of a few words, else the last that is no note. @return for the mapping.
-std::string guessed(const TableLayout& layout, const std::vector<ColumnSample>& samples,
-                    const Machine& machine, const UnderstoodTable& table, const ColumnFaults& faults) {
+/// smallest unit of length, else one of a few words, else the last that is no note.
+ColumnRemedy guessed(const TableLayout& layout, const std::vector<ColumnSample>& samples,
+                     const Machine& machine, const UnderstoodTable& table) {
   std::size_t best = layout.names.size(), words = best, last = 0;
   Unit least;
   int joint = 0;
@@ -41,10 +42,9 @@ std::string guessed(const TableLayout& layout, const std::vector<ColumnSample>& 
   }
   if (best < layout.names.size()) {
     const std::string of = machine.joints()[joint].name + "_" + least.symbol;
-    return faults.remedy(best, "deviation_" + of) + " (true minus indicated; error_" + of +
-           " for the other sign)";
+    return {best, "deviation_" + of, " (true minus indicated; error_" + of + " for the other sign)"};
   }
-  return faults.remedy(words < layout.names.size() ? words : last, "feature");
+  return {words < layout.names.size() ? words : last, "feature", ""};
 }
 
 /// Without a column that says what was touched it may be the only ball that there is.
@@ -56,11 +56,12 @@ void onlyFeature(const TableLayout& layout, const std::vector<ColumnSample>& sam
                           "', the only one of the artifact");
     return;
   }
+  ColumnRemedy remedy = guessed(layout, samples, machine, table);
+  if (artifact == nullptr) remedy.after += ", or give an --artifact of one ball";
   faults.add(faults.place() +
-             "no column holds a measurement: a ball (feature), a true position (reference_x_mm), a length "
-             "(length_mm) or a deviation (deviation_x_um); " +
-             guessed(layout, samples, machine, table, faults) +
-             (artifact == nullptr ? ", or give an --artifact of one ball" : ""));
+                 "no column holds a measurement: a ball (feature), a true position (reference_x_mm), a "
+                 "length (length_mm) or a deviation (deviation_x_um)",
+             remedy);
 }
 
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
@@ -148,10 +149,10 @@ void settleRedundant(const TextFile& file, const TableLayout& layout, Understood
     } else {
       const auto [unit, symbol] = errorUnit(machine.joints()[j]);
       faults.add(file.place(comparison.line()) + "column " + faults.called(deviation) +
-                 format(" says %.6g %s, but ", comparison.says() / unit, symbol) + faults.called(measured) +
-                 " minus " + faults.called(target) + format(" is %.6g %s; ", comparison.is() / unit, symbol) +
-                 faults.remedy(deviation, "ignore") + " (or " + faults.key(measured) +
-                 "), or correct the unit of one");
+                     format(" says %.6g %s, but ", comparison.says() / unit, symbol) +
+                     faults.called(measured) + " minus " + faults.called(target) +
+                     format(" is %.6g %s", comparison.is() / unit, symbol),
+                 {deviation, "ignore", " (or " + faults.key(measured) + "), or correct the unit of one"});
     }
   }
 }
@@ -169,8 +170,9 @@ std::vector<std::pair<int, double>> fixedReadings(const ColumnMapping& mapping, 
     if (j >= 0 && unit)
       fixed.emplace_back(j, value * unit->factor);
     else
-      faults.add(mapping.source + ": fixed: '" + name + "' is not <joint>_<unit> of this machine (" +
-                 jointNames(machine) + "); e.g. fixed: {" + machine.joints().front().name + "_mm: 12.5}");
+      faults.add(mapping.source + ": fixed: '" + shownText(name) +
+                 "' is not <joint>_<unit> of this machine (" + jointNames(machine) + "); e.g. fixed: {" +
+                 machine.joints().front().name + "_mm: 12.5}");
   }
   return fixed;
 }
@@ -186,9 +188,9 @@ void completeTable(const TextFile& file, const TableLayout& layout, const std::v
   if (!hasAny(table, {CsvRole::kFeature, CsvRole::kReference, CsvRole::kDeviation, CsvRole::kMeasured}))
     onlyFeature(layout, samples, machine, artifact, table, faults);
   if (!hasAny(table, {CsvRole::kPosition}) && faults.empty() && table.form.fixed.empty())
-    faults.add(faults.place() + "no column is a reading of a joint of this machine (" + jointNames(machine) +
-               "); name one in the mapping (--columns): columns: {" + faults.key(0) + ": " +
-               machine.joints().front().name + "_mm}");
+    faults.add(
+        faults.place() + "no column is a reading of a joint of this machine (" + jointNames(machine) + ")",
+        {0, machine.joints().front().name + "_mm", ""});
   if (!hasAny(table, {CsvRole::kTime, CsvRole::kDate}))
     table.notes.push_back("no time column: rows are taken in their order; no effect of time can be told");
 }

@@ -1,5 +1,7 @@
 #include "nodes/axis_driver.h"
 
+#include <ros/master.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -32,7 +34,7 @@ MotionControl::Settings AxisDriver::settings(const ros::NodeHandle& own, bool cl
       own, {"rate",          "linear_speed", "rotary_speed", "temperature_rate", "time_factor",
             "clock",         "hardware",     "tolerance",    "rotary_tolerance", "silence",
             "late",          "rest_timeout", "hold_limit",   "homing_order",     "probe_settle",
-            "probe_longest", "probe_stuck",  "silent_moves", "frame_prefix",     "clock_began"});
+            "probe_longest", "probe_stuck",  "silent_moves", "frame_prefix",     "clock_next"});
   MotionControl::Settings settings;
   settings.tolerance = numberParameter(own, "tolerance", settings.tolerance, 1e-9, 1e-2);
   settings.rotaryTolerance = numberParameter(own, "rotary_tolerance", settings.rotaryTolerance, 1e-9, 0.1);
@@ -79,10 +81,11 @@ AxisDriver::AxisDriver(ros::NodeHandle node, ros::NodeHandle own, std::shared_pt
   if (controller_->trueTip()) truthOut_ = own.advertise<geometry_msgs::PointStamped>("truth", 1000);
   if (clock_) {
     clockOut_ = node.advertise<rosgraph_msgs::Clock>("/clock", 1000);
-    const double now = ros::WallTime::now().toSec();
-    const double began = numberParameter(own, "clock_began", now, 0.0, 4e9);
-    own.setParam("clock_began", began);
-    clockStart_ = ros::Time(clockStart(began, now, timeFactor_));
+    clockStart_ = ros::Time(numberParameter(own, "clock_next", ros::WallTime::now().toSec(), 0.0, 4e9));
+    clockSaid_ = clockStart_.toSec();
+    tellNextLife();
+    clockTimer_ =
+        node.createWallTimer(ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { tellNextLife(); });
   }
   advertise(own);
   updater_.setHardwareID(textParameter(own, "hardware", "simulated"));
@@ -143,6 +146,15 @@ void AxisDriver::run() {
   }
 }
 
+// Not by setParam, which waits for a master that has gone.
+void AxisDriver::tellNextLife() {
+  XmlRpc::XmlRpcValue told, answer, payload;
+  told[0] = ros::this_node::getName();
+  told[1] = ros::this_node::getName() + "/clock_next";
+  told[2] = nextLife(clockSaid_, timeFactor_);
+  ros::master::execute("setParam", told, answer, payload, false);
+}
+
 ros::Time AxisDriver::stampOf(double controllerTime, double host) const {
   return clock_ ? clockStart_ + ros::Duration(controllerTime) : ros::Time(host);
 }
@@ -178,6 +190,7 @@ void AxisDriver::cycle(double elapsed) {
         rosgraph_msgs::Clock clock;
         clock.clock = stamp;
         clockOut_.publish(clock);
+        clockSaid_ = stamp.toSec();
       }
       const auto ns = static_cast<std::int64_t>(stamp.toNSec());
       for (std::size_t j = 0; j < travel_.size(); ++j) {

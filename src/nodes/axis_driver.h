@@ -48,8 +48,8 @@ namespace mm {
 /// and `rotary_tolerance` (rad) of an arrival, `silence` (s until a controller without a new state is lost),
 /// `rest_timeout` (s within which the axes must rest after a stop), `hold_limit` (s of feed hold),
 /// `homing_order` (`z; x y`: stages, one after the other), `probe_settle`, `probe_longest`, `probe_stuck` (s,
-/// as in ProbeDebounce), `silent_moves` (probing moves without a trip until it is said). Sets `clock_began`:
-/// its next life goes on with the same time.
+/// as in ProbeDebounce), `silent_moves` (probing moves without a trip until it is said). Sets `clock_next`:
+/// there its next life goes on with the same time.
 class AxisDriver {
  public:
   /// @param controller opened; belongs to this node from here on.
@@ -106,6 +106,7 @@ class AxisDriver {
   void emergencyStop(const std::string& caller, bool on, std_srvs::SetBoolResponse& response);
   bool hold(TriggerCall& call, bool on);
   bool take(Take::Request& request, Take::Response& response);
+  void tellNextLife();
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
   void diagnoseProbe(diagnostic_updater::DiagnosticStatusWrapper& status);
 
@@ -114,6 +115,7 @@ class AxisDriver {
   double rate_, linearSpeed_, rotarySpeed_, temperatureRate_, timeFactor_;
   bool clock_;
   ros::Time clockStart_;
+  std::atomic<double> clockSaid_{0.0};  // s, last on /clock
   std::shared_ptr<AxisController> controller_;
   MotionControl control_;
 
@@ -151,6 +153,7 @@ class AxisDriver {
   std::atomic<bool> ending_{false};
   std::thread thread_, mover_, homer_;
   std::unique_ptr<DirectServer> stops_;  // stop and emergency stop
+  ros::WallTimer clockTimer_;
 };
 
 }  // namespace mm

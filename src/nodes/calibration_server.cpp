@@ -4,6 +4,8 @@
 #include <std_msgs/String.h>
 #include <visualization_msgs/MarkerArray.h>
 
+#include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <sstream>
 
@@ -26,6 +28,14 @@ namespace {
 
 void add(std::string& message, const std::string& more) {
   if (!more.empty()) message += (message.empty() ? "" : "; ") + more;
+}
+
+/// A path within a flow mapping of YAML.
+std::string inYaml(const std::string& path) {
+  const bool plain = std::all_of(path.begin(), path.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '/' || c == '.' || c == '_' || c == '-';
+  });
+  return plain ? path : "\"" + path + "\"";
 }
 
 /// The sentence in lines that rviz shows whole.
@@ -119,11 +129,14 @@ CalibrateOptions CalibrationServer::options() { return calibratingIn(job_, threa
 
 CalibrationServer::SessionPtr CalibrationServer::openSession(const std::string& bag,
                                                              const Machine& fallback) {
-  lastBag_ = bag;
+  const auto opened = [&](Session session, const std::string& space) {
+    lastBag_ = bag;
+    lastSpace_ = space;
+    return last_ = std::make_shared<const Session>(std::move(session));
+  };
   if (bag.empty()) {
     job_.step("collecting the live session", 0.0);
-    lastSpace_ = machineSpace();
-    return last_ = std::make_shared<const Session>(live_.session(fallback));
+    return opened(live_.session(fallback), machineSpace());
   }
   const bool beside = bag.back() == ':';  // "s.bag:" is that bag and the live session
   const std::string recorded = beside ? bag.substr(0, bag.size() - 1) : bag;
@@ -131,10 +144,9 @@ CalibrationServer::SessionPtr CalibrationServer::openSession(const std::string& 
       readSessionBags(bagPaths(recorded), [this](double share) { job_.step("reading the bag", share); },
                       &fallback, {node_.getNamespace(), false});
   if (beside) session = joined({std::move(session), live_.session(fallback)});
-  lastSpace_ = beside ? machineSpace() : bagSpace(recorded, node_.getNamespace());
   if (!session.warning.empty()) ROS_WARN("%s: %s", bag.c_str(), session.warning.c_str());
   for (const std::string& line : setAsideLines(session)) ROS_WARN("%s: %s", bag.c_str(), line.c_str());
-  return last_ = std::make_shared<const Session>(std::move(session));
+  return opened(std::move(session), beside ? machineSpace() : bagSpace(recorded, node_.getNamespace()));
 }
 
 /// The session that a calibration was made from: the last one used, its bag, or the live one.
@@ -184,7 +196,9 @@ Calibration CalibrationServer::calibrationFrom(const std::string& idOrPath) cons
 }
 
 std::string CalibrationServer::nextCall(const std::string& service, const std::string& request) const {
-  return "next: rosservice call " + own_.resolveName(service) + " \"" + request + "\"";
+  const std::string call = "next: rosservice call " + own_.resolveName(service) + " " + request;
+  ROS_INFO("%s", call.c_str());
+  return call;
 }
 
 std::string CalibrationServer::keep(Recalibration& done, const Session& session, std::uint8_t& success,
@@ -201,7 +215,8 @@ std::string CalibrationServer::keep(Recalibration& done, const Session& session,
   if (!misfit.empty()) add(message, "it cannot be promoted here: " + misfit);
   add(message, lossText(session));
   add(message, errorText(done.result, done.calibration.ledger.back().rmsBefore));
-  if (success != 0) add(message, nextCall("diagnose", lastBag_.empty() ? "{}" : "{bag: '" + lastBag_ + "'}"));
+  if (success != 0)
+    add(message, nextCall("diagnose", lastBag_.empty() ? "'{}'" : "'{bag: " + inYaml(lastBag_) + "}'"));
   std_msgs::String ledger;
   ledger.data = ledgerText(done.calibration, !std::isfinite(done.result.figures.rms));
   ledgerOut_.publish(ledger);
@@ -264,11 +279,13 @@ void CalibrationServer::diagnoseSession(const Asked& asked, Answer& answer) {
 /// What is changed or promoted by default is the candidate, else the active one: of another there is no next.
 std::string CalibrationServer::nextAfter(const Diagnosis& diagnosis, const Calibration& of) const try {
   if (of.id.empty() || calibrationFrom({}).id != of.id) return {};
-  if (const EffectSpec* next = nextToAdd(diagnosis))
-    return nextCall("add_effect", "effect: '" + next->yaml() + "'") +
+  if (const EffectSpec* next = nextToAdd(diagnosis)) {
+    nextCall("add_effect", "\"effect: '" + next->yaml() + "'\"");
+    return "next: call " + own_.resolveName("add_effect") + " with effect " + next->yaml() +
            (diagnosis.nextMeasurement.empty() ? "" : ", or measure next_measurement of json first");
+  }
   const bool complete = diagnosis.verdict == Verdict::kExplained;
-  return complete && store_.linked("candidate") == of.id ? nextCall("promote", "{}") : std::string();
+  return complete && store_.linked("candidate") == of.id ? nextCall("promote", "'{}'") : std::string();
 } catch (const InputError&) {
   return {};  // the verdict does not wait for a folder
 }

@@ -74,7 +74,8 @@ class CalibrationServer {
   /// Keeps the result as candidate and shows it. @return its id; `success` and `message` say what it is
   /// worth.
   std::string keep(Recalibration& done, const Session& session, std::uint8_t& success, std::string& message);
-  /// The call that follows, as it is typed.
+  /// The call that follows, as it is typed. It goes to the log too: rosservice breaks and escapes what it
+  /// prints.
   std::string nextCall(const std::string& service, const std::string& request) const;
   std::string nextAfter(const Diagnosis& diagnosis, const Calibration& of) const;
   /// Makes active again what was active before `id`. @param done false: it was asked in vain. @return in

@@ -170,8 +170,9 @@ void CompensationNode::subscribeSensors() {
           });
 }
 
-void CompensationNode::withhold(const std::string& reason) {
+void CompensationNode::withhold(const std::string& reason, bool beyond) {
   active_.reason = reason;
+  status_.extrapolating = beyond;
   ++status_.withheld;
   withheldSince_ = reason;
 }
@@ -285,7 +286,7 @@ void CompensationNode::addFrame(Applied& applied, const ros::Time& stamp, const 
   }
   if (!c.valid) {
     if (isActive)
-      withhold(c.reason);
+      withhold(c.reason, c.extrapolating);
     else
       applied.reason = c.reason;
     return;
@@ -298,6 +299,7 @@ void CompensationNode::addFrame(Applied& applied, const ros::Time& stamp, const 
 void CompensationNode::takeContact(const measuring_machine::ProbeContactConstPtr& message) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!active_.loaded) return;
+  bool beyond = false;
   try {
     if (owners_.anyNotHomed()) throw InputError(JointOwners::kUnhomed);
     const Observation contact = fromMessage(*message, machine_);
@@ -310,11 +312,12 @@ void CompensationNode::takeContact(const measuring_machine::ProbeContactConstPtr
     if (!laser && contact.approach.allFinite()) state.approach = contact.approach;
     state.feature = compensator.model().domain().findFeature(message->feature);
     const Correction c = compensator.apply(state);
+    beyond = c.extrapolating;
     if (!c.valid) throw InputError("contact on '" + message->feature + "' is not corrected: " + c.reason);
     contactsOut_.publish(toContactMessage(*message, c, active_.loaded->calibration));
   } catch (const std::exception& e) {
     withheldSince_ = e.what();
-    if (isNews(withheldSince_, active_.loaded->id, contactBeyond_)) ROS_WARN_THROTTLE(10.0, "%s", e.what());
+    if (isNews(beyond, active_.loaded->id, contactBeyond_)) ROS_WARN_THROTTLE(10.0, "%s", e.what());
   }
 }
 

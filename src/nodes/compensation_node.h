@@ -54,7 +54,7 @@ class CompensationNode {
   void takeJoints(const JointsEvent& event);
   void addFrame(Applied& applied, const ros::Time& stamp, const std::string& child, bool isActive);
   void takeContact(const measuring_machine::ProbeContactConstPtr& message);
-  void withhold(const std::string& reason);
+  void withhold(const std::string& reason, bool beyond = false);
   bool believes(const JointsEvent& event);
   void takeStatus(const StatusEvent& event);
   void nameStranger(const std::string& why);
@@ -66,7 +66,7 @@ class CompensationNode {
   bool isSilent() const;
   /// Whether the log is to have it. What lies beyond the calibrated range comes and goes with every move of a
   /// plan: once of a calibration; the status goes on saying it. @param saidOf the calibration of the last.
-  static bool isNews(const std::string& message, const std::string& calibration, std::string& saidOf);
+  static bool isNews(bool beyond, const std::string& calibration, std::string& saidOf);
   measuring_machine::CompensationStatus statusNow();
   bool correctTarget(measuring_machine::CorrectTarget::Request& request,
                      measuring_machine::CorrectTarget::Response& response);
@@ -94,6 +94,7 @@ class CompensationNode {
 
   measuring_machine::CompensationStatus shown_;
   std::string words_;          // of the status as last published
+  std::string warned_;         // of the files, as the log has it
   std::string statusBeyond_;   // calibrations of which the log has that something lies beyond their range:
   std::string contactBeyond_;  // a status; a contact (with `mutex_`)
   ros::WallTime nextStatus_, nextMarkers_;

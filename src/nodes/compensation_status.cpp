@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "compensation/limits.h"
 #include "nodes/compensation_node.h"
 #include "ros_bridge/correction_messages.h"
 
@@ -45,6 +44,7 @@ measuring_machine::CompensationStatus CompensationNode::statusNow() {
     add(status.message, stranger_);
   add(status.message, pair_->warning);
   add(status.message, active_.note);
+  status.extrapolating = status.extrapolating && !silent;
   status.publishing = !silent && active_.loaded && inputs_.complete() && active_.reason.empty();
   if (candidate_.loaded) add(status.candidate_message, candidate_.reason);
   add(status.candidate_message, pair_->candidateWarning);
@@ -65,10 +65,8 @@ measuring_machine::CompensationStatus CompensationNode::statusNow() {
   return status;
 }
 
-bool CompensationNode::isNews(const std::string& message, const std::string& calibration,
-                              std::string& saidOf) {
-  if (message.find(kCalibratedRange) == std::string::npos) return true;
-  return std::exchange(saidOf, calibration) != calibration;
+bool CompensationNode::isNews(bool beyond, const std::string& calibration, std::string& saidOf) {
+  return !beyond || std::exchange(saidOf, calibration) != calibration;
 }
 
 void CompensationNode::look(const ros::WallTimerEvent&) {
@@ -82,9 +80,11 @@ void CompensationNode::look(const ros::WallTimerEvent&) {
       status.calibration_id == shown_.calibration_id && status.candidate_id == shown_.candidate_id;
   const bool same = words == words_ && ids && status.publishing == shown_.publishing;
   if (same && now < nextStatus_) return;
-  if (words != words_ && !status.message.empty() && !status.publishing &&
-      isNews(status.message, status.calibration_id, statusBeyond_))
-    ROS_WARN("%s", status.message.c_str());
+  if (words != words_ && !status.message.empty() && !status.publishing) {
+    const bool news = isNews(status.extrapolating, status.calibration_id, statusBeyond_);
+    if (std::exchange(warned_, pair_->warning) != pair_->warning || news)
+      ROS_WARN("%s", status.message.c_str());
+  }
   words_ = words;
   nextStatus_ = now + ros::WallDuration(1.0);
   status.header.stamp = ros::Time::now();

@@ -294,8 +294,9 @@ void MeasureNode::askFor(const Plan& plan, const PlanMove& move) {
   if (stand == stand_) return;
   const bool first = stand_.empty();
   stand_ = stand;
-  if (first && !trialBlock(placement_)) return;  // as it stands when a plan begins
-  feedback_.asks = "set up " + stand + ", then continue";
+  const bool trial = trialBlock(placement_).has_value();
+  if (first && !trial) return;  // as it stands when a plan begins
+  feedback_.asks = (trial ? "switch to " : "set up ") + stand + ", then continue";
   ROS_INFO("%s", feedback_.asks.c_str());
   paused_ = true;
   holdWhilePaused();

@@ -1,11 +1,10 @@
 #include "nodes/time_watch.h"
 
-#include <algorithm>
-
 namespace mm {
 namespace {
 
 const ros::WallDuration kStands(1.0);  // a clock of a slow simulation comes more often
+constexpr double kAhead = 2.0;         // s, twice the time between two stores
 
 }  // namespace
 
@@ -22,8 +21,6 @@ std::string TimeWatch::look() {
          "`rosparam set /use_sim_time false` and restart this node";
 }
 
-double clockStart(double began, double now, double factor) {
-  return began + std::max(0.0, now - began) * factor;
-}
+double nextLife(double stamp, double factor) { return stamp + kAhead * factor; }
 
 }  // namespace mm

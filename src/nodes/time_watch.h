@@ -16,10 +16,9 @@ class TimeWatch {
   ros::SteadyTime since_;  // when it last went on
 };
 
-/// Where the clock of a simulation begins, s: a driver that comes up again goes on where the one before would
-/// be by now, so that no node ever sees time go back.
-/// @param began when the first one began, @param now of the wall, s. @param factor simulated seconds a
-/// second.
-double clockStart(double began, double now, double factor);
+/// Where the clock of a simulation goes on when its driver comes up again, s: beyond all that is said before
+/// this is told anew, a second later, so that no node ever sees time go back.
+/// @param stamp said last, s. @param factor simulated seconds a second.
+double nextLife(double stamp, double factor);
 
 }  // namespace mm

@@ -18,6 +18,11 @@ std::string inUnit(const BlindReport& r, double value) {
   return shortNumber(value / unitOf(r.blocks.angular));
 }
 
+/// What the RMS is taken about.
+std::string rmsName(const BlindReport& r) {
+  return r.blocks.fittedPose ? "RMS about the fitted pose" : "RMS of the residuals";
+}
+
 Json intervalJson(const TrialFigure& f, double unit) {
   return {{"value", f.value / unit}, {"lower", f.lower / unit}, {"upper", f.upper / unit}};
 }
@@ -26,6 +31,10 @@ std::string badgeOf(TrialVerdict verdict) {
   switch (verdict) {
     case TrialVerdict::kHelped:
       return "It helped";
+    case TrialVerdict::kHelpedInPart:
+      return "It helped in part";
+    case TrialVerdict::kOvercorrected:
+      return "It corrects too much";
     case TrialVerdict::kDidNothing:
       return "It did nothing";
     case TrialVerdict::kWrongSign:
@@ -45,6 +54,13 @@ std::string testText(const BlindReport& r) {
       r.on == 'A' ? r.labelled.blocksA : r.labelled.blocksB,
       r.on == 'A' ? r.labelled.blocksB : r.labelled.blocksA, r.opened.gainP, r.opened.rmsP,
       r.labelled.smallestP);
+}
+
+/// How often such an answer is wrong; nothing where so few blocks cannot say.
+std::string chanceText(const BlindReport& r) {
+  if (r.labelled.smallestP > kFalseAnswers) return {};
+  return " At most 1 % of the trials say by chance that a correction helped, and as few that it has the "
+         "wrong sign.";
 }
 
 /// A quantity of the blocks over their running number: SVG.
@@ -125,19 +141,25 @@ std::string figureHtml(const std::string& title, const std::string& svg) {
 
 std::string rowHtml(const std::string& what, const TrialFigure& f, double unit, const std::string& name) {
   const auto number = [&](double value) { return shortNumber(value / unit); };
-  return "<tr><td>" + what + "</td><td class=\"n\">" + number(f.value) + name + "</td><td class=\"n\">" +
-         number(f.lower) + " to " + number(f.upper) + name + "</td></tr>";
+  const bool interval = std::isfinite(f.lower) && std::isfinite(f.upper);
+  return "<tr><td>" + what + "</td><td class=\"n\">" +
+         (std::isfinite(f.value) ? number(f.value) + name : "–") + "</td><td class=\"n\">" +
+         (interval ? number(f.lower) + " to " + number(f.upper) + name : "–") + "</td></tr>";
 }
 
 std::string figuresTable(const BlindReport& r) {
   const double unit = unitOf(r.blocks.angular);
   const std::string name = " " + escapedHtml(nameOfUnit(r.blocks.angular));
+  std::string axes;
+  for (const AxisGain& axis : r.opened.axes)
+    axes += rowHtml("gain of " + escapedHtml(axis.axis), axis.gain, 1.0, "");
   return "<div class=\"wide\"><table><tr><th>figure</th><th class=\"n\">value</th><th class=\"n\">99 % "
          "interval</th></tr>" +
-         rowHtml("RMS without the correction", r.opened.without, unit, name) +
-         rowHtml("RMS with it", r.opened.with, unit, name) +
+         rowHtml(rmsName(r) + " without the correction", r.opened.without, unit, name) +
+         rowHtml(rmsName(r) + " with it", r.opened.with, unit, name) +
          rowHtml("with / without", r.opened.ratio, 1.0, "") +
-         rowHtml("gain: share of the correction that arrives", r.opened.gain, 1.0, "") + "</table></div>\n";
+         rowHtml("gain: share of the correction that arrives", r.opened.gain, 1.0, "") + axes +
+         "</table></div>\n";
 }
 
 std::string blocksTable(const BlindReport& r) {
@@ -194,6 +216,10 @@ std::string blindJson(const BlindReport& r) {
                    {"in_words", r.opened.inWords},
                    {"trial", r.blocks.trial},
                    {"gain", intervalJson(r.opened.gain, 1.0)},
+                   {"axes", jsonList(r.opened.axes,
+                                     [](const AxisGain& a) -> Json {
+                                       return {{"axis", a.axis}, {"gain", intervalJson(a.gain, 1.0)}};
+                                     })},
                    {rms + "_without", intervalJson(r.opened.without, unit)},
                    {rms + "_with", intervalJson(r.opened.with, unit)},
                    {"ratio", intervalJson(r.opened.ratio, 1.0)},
@@ -204,12 +230,14 @@ std::string blindJson(const BlindReport& r) {
                    {"blocks_planned", r.blocks.planned},
                    {"blocks_wanted", orNull(r.opened.blocksWanted > 0, r.opened.blocksWanted)},
                    {"blocks", jsonList(r.blocks.blocks, block)},
+                   {"not_judged", r.blocks.notJudged},
                    {"remarks", r.blocks.remarks}});
 }
 
 std::string blindText(const BlindReport& r) {
   std::ostringstream out;
   out << r.opened.inWords << "\n" << testText(r) << "\n";
+  if (!r.blocks.notJudged.empty()) out << r.blocks.notJudged << "\n";
   for (const std::string& remark : r.blocks.remarks) out << "note: " << remark << "\n";
   const std::string unit = nameOfUnit(r.blocks.angular);
   out << format("\n  block  correction  %10s  error left  measurements\n", ("RMS / " + unit).c_str());
@@ -242,14 +270,14 @@ std::string blindPage(const BlindReport& r) {
     html += "</ul>\n";
   }
   html += "<h2>Blocks</h2>" +
-          figureHtml("RMS of the residuals / " + unit, rms.svg("RMS of each block", roundLevels(largest))) +
+          figureHtml(rmsName(r) + " / " + unit, rms.svg("RMS of each block", roundLevels(largest))) +
           figureHtml("Share of the predicted error that is there",
                      left.svg("Share of the predicted error in each block", {-1.0, 0.0, 1.0, 2.0}));
   html += "<h2>Figures</h2>" + figuresTable(r) + blocksTable(r) +
           "<p class=\"soft\">The correction was switched at random, and the states were compared as A and B "
-          "before the key was opened. Pose and zeros are fitted in each block alone; a linear trend over the "
-          "trial is taken out. At most 1 % of the trials say by chance that a correction helped or has the "
-          "wrong sign.</p>\n";
+          "before the key was opened. " +
+          (r.blocks.notJudged.empty() ? "" : escapedHtml(r.blocks.notJudged) + ". ") +
+          "A linear trend over the trial is taken out." + chanceText(r) + "</p>\n";
   return html + "</main></body></html>\n";
 }
 

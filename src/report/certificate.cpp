@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::size_t kCurvePoints = 41, kMostCurvePoints = 10241;  // even; doubled until they follow it
 constexpr double kFollowed = 0.01;  // of the range of a curve: what chords may leave of it
+constexpr double kRounding = 1e-6;  // um: of what is constant there is no more
 /// Of the way from one point to the next, where a chord is held against its curve: a wave whose nodes are at
 /// the points has none there.
 constexpr double kBetween = 0.382;
@@ -96,7 +97,7 @@ bool follows(const CorrectionCurve& curve, const Compensator& compensator, const
     low = low.cwiseMin(is);
     high = high.cwiseMax(is);
   }
-  return left <= kFollowed * (high - low).maxCoeff();
+  return left <= std::max(kFollowed * (high - low).maxCoeff(), kRounding);
 }
 
 }  // namespace

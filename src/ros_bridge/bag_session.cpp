@@ -4,6 +4,7 @@
 #include <std_msgs/String.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
@@ -14,6 +15,8 @@
 
 namespace mm {
 namespace {
+
+constexpr double kHeardFirst = 1.0;  // s
 
 /// The file under a temporary name; removed unless it was put in place.
 class TemporaryFile {
@@ -73,9 +76,11 @@ class SessionWriter {
     if (!session_.rowFile.empty()) {
       std_msgs::String file;
       file.data = session_.rowFile;
-      // before the first motion, which is read by the file's directions and not by its own
-      bag_.write("/imported_from", motion_.empty() ? start : std::min(start, stamp(motion_.front().time)),
-                 file, true);
+      // before the first motion, which is read by the file's directions and not by its own; by as much as a
+      // node needs to hear it first, however fast the bag is played
+      const double first = motion_.empty() ? 0.0 : std::min(0.0, motion_.front().time);
+      const std::int64_t before = epoch_ + std::llround((first - kHeardFirst) * 1e9);
+      bag_.write("/imported_from", rosTime(std::max<std::int64_t>(before, 1)), file, true);
     }
     std::size_t count = 0;
     for (const Observation& o : session_.observations) {

@@ -24,16 +24,15 @@ LiveSession::LiveSession(ros::NodeHandle node) : node_(node), collector_(kName) 
   collector_.bound(kMost);
   subscribeNamed("joint_states", &SessionCollector::addJointState);
   subscribe("reference", &SessionCollector::addReference);
-  subscribers_["artifact"] = node_.subscribe<measuring_machine::Artifact>(
-      "artifact", kQueue, [this](const measuring_machine::ArtifactConstPtr& m) { takeArtifact(*m); });
-  subscribers_["robot_description"] = node_.subscribe<std_msgs::String>(
-      "robot_description", kQueue, [this](const std_msgs::StringConstPtr& m) {
-        take([&](SessionCollector& collector) { collector.addRobotDescription(m->data); });
-      });
-  subscribers_["controller_compensation"] = node_.subscribe<std_msgs::String>(
-      "controller_compensation", kQueue, [this](const std_msgs::StringConstPtr& m) {
-        take([&](SessionCollector& collector) { collector.addCompensation(m->data); });
-      });
+  const boost::function<void(const ros::MessageEvent<const measuring_machine::Artifact>&)> announced =
+      [this](const ros::MessageEvent<const measuring_machine::Artifact>& event) {
+        takeArtifact(*event.getConstMessage(), event.getPublisherName());
+      };
+  subscribers_["artifact"] = node_.subscribe<measuring_machine::Artifact>("artifact", kQueue, announced);
+  subscribeText("robot_description", &SessionCollector::addRobotDescription);
+  subscribeText("controller_compensation", &SessionCollector::addCompensation);
+  subscribeOfFile("times_assumed", &SessionCollector::addTimesAssumed);
+  subscribeOfFile("imported_from", &SessionCollector::addImportedFrom);
   subscribers_["probe/contact"] = node_.subscribe<measuring_machine::ProbeContact>(
       "probe/contact", kQueue, [this](const measuring_machine::ProbeContactConstPtr& m) {
         beginAgainIfBack(*m);
@@ -62,6 +61,25 @@ void LiveSession::subscribeNamed(const std::string& topic,
         });
       };
   subscribers_[topic] = node_.subscribe<Message>(topic, kQueue, heard);
+}
+
+void LiveSession::subscribeText(const std::string& topic, void (SessionCollector::*add)(const std::string&)) {
+  subscribers_[topic] =
+      node_.subscribe<std_msgs::String>(topic, kQueue, [this, add](const std_msgs::StringConstPtr& m) {
+        take([&](SessionCollector& collector) { (collector.*add)(m->data); });
+      });
+}
+
+void LiveSession::subscribeOfFile(const std::string& topic,
+                                  void (SessionCollector::*add)(const std::string&)) {
+  const boost::function<void(const ros::MessageEvent<const std_msgs::String>&)> heard =
+      [this, add](const ros::MessageEvent<const std_msgs::String>& event) {
+        take([&](SessionCollector& collector) {
+          player_ = event.getPublisherName();
+          (collector.*add)(event.getConstMessage()->data);
+        });
+      };
+  subscribers_[topic] = node_.subscribe<std_msgs::String>(topic, kQueue, heard);
 }
 
 void LiveSession::take(const std::function<void(SessionCollector&)>& add) {
@@ -104,13 +122,18 @@ void LiveSession::beginAgainIfBack(const measuring_machine::ProbeContact& messag
   wrong_.clear();
 }
 
-void LiveSession::takeArtifact(const measuring_machine::Artifact& message) {
+// Topics of one publisher arrive in any order: what it told of its file may be here before its artifact.
+void LiveSession::takeArtifact(const measuring_machine::Artifact& message, const std::string& publisher) {
   const ros::Time stamp = message.header.stamp;
   std::unique_lock<std::mutex> lock(mutex_);
   if (!stamp.isZero() && stamp != artifact_) {
     const std::size_t before = collector_.observationCount();
     if (stamp < artifact_) collector_.dropAfter(nanoseconds(stamp));
     collector_.dropBefore(nanoseconds(stamp));
+    if (publisher != player_) {
+      collector_.addTimesAssumed({});
+      collector_.addImportedFrom({});
+    }
     wrong_.clear();
     if (before > 0) ROS_INFO("a new session begins; the %zu earlier contacts are discarded", before);
   }

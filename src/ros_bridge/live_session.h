@@ -17,8 +17,9 @@
 namespace mm {
 
 /// Collects the live session from the topics that a session is recorded from. /artifact with a new stamp
-/// begins a new session; so does a clock that goes back, as two contacts in a row say. Temperatures and
-/// covariates are found by their topics' names, drivers by the type of their status. Thread-safe.
+/// begins a new session; so does a clock that goes back, as two contacts in a row say. What is told of an
+/// imported file counts for the session of its publisher. Temperatures and covariates are found by their
+/// topics' names, drivers by the type of their status. Thread-safe.
 class LiveSession {
  public:
   explicit LiveSession(ros::NodeHandle node);  ///< subscribes
@@ -38,7 +39,9 @@ class LiveSession {
   template <typename Message>
   void subscribeNamed(const std::string& topic,
                       void (SessionCollector::*add)(const Message&, const std::string& publisher));
-  void takeArtifact(const measuring_machine::Artifact& message);
+  void subscribeText(const std::string& topic, void (SessionCollector::*add)(const std::string&));
+  void subscribeOfFile(const std::string& topic, void (SessionCollector::*add)(const std::string&));
+  void takeArtifact(const measuring_machine::Artifact& message, const std::string& publisher);
   void take(const std::function<void(SessionCollector&)>& add);
   void beginAgainIfBack(const measuring_machine::ProbeContact& message);
   void takeMeasured(const measuring_machine::Measured& message);
@@ -49,6 +52,7 @@ class LiveSession {
   SessionCollector collector_;
   std::string wrong_;  // why the machine or the artifact could not be taken
   ros::Time artifact_;
+  std::string player_;  // publisher of what was told of an imported file, last
   std::optional<measuring_machine::ProbeContact> behind_;  // the last contact, where its stamp lies behind
   std::map<std::string, ros::Subscriber> subscribers_;
   ros::WallTimer timer_;

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdlib>
 
 #include "base/nearest_name.h"
 #include "calibration_file/calibration_fit.h"
@@ -23,11 +24,12 @@ namespace {
   throw InputError("parameter '" + node.resolveName(name) + "' is not " + needed);
 }
 
-/// Whether roslaunch starts the node again when it ends: parameter `respawn`, looked for upwards.
-bool comesUpAgain(const ros::NodeHandle& own) {
-  std::string name;
-  bool respawn = false;
-  return own.searchParam("respawn", name) && own.getParam(name, respawn) && respawn;
+constexpr double kBetweenTries = 30.0;  // s
+
+/// Whether roslaunch starts the node again when it ends, as the launch file says.
+bool comesUpAgain() {
+  const char* const respawn = std::getenv("MM_RESPAWN");
+  return respawn != nullptr && std::string(respawn) == "true";
 }
 
 /// What the node was started with: its own parameters and the machine.
@@ -35,26 +37,27 @@ std::string parametersNow(const ros::NodeHandle& own) {
   std::string text, key;
   XmlRpc::XmlRpcValue value;
   if (own.getParam(own.getNamespace(), value)) text = value.toXml();
-  for (const char* const name : {"robot_description", "serial"})
+  for (const char* const name : {"robot_description", "serial", "frame_prefix"})
     if (own.searchParam(name, key) && own.getParam(key, value)) text += value.toXml();
   return text;
 }
 
-/// Started again with the same parameters the node would fail again, for ever: it stays, in error on
-/// /diagnostics, until they change or it is ended.
+/// Started again at once with the same parameters the node would fail again, for ever: it stays, in error on
+/// /diagnostics, until they change or it is ended, or until it is time to look whether something else that
+/// was in its way, a port or a file, no longer is.
 void waitForOtherParameters(const std::string& wrong) {
   const ros::WallDuration kBetween(1.0);  // between looks
   ros::NodeHandle node, own("~");
-  ROS_FATAL(
-      "%s; the node starts again when its parameters change (rosparam set) or it is ended (rosnode kill)",
-      wrong.c_str());
+  ROS_FATAL("%s; the node tries again in %.0f s, or when its parameters change (rosparam set)", wrong.c_str(),
+            kBetweenTries);
   diagnostic_updater::Updater updater(node, own, ros::this_node::getName());
   updater.setHardwareID(ros::this_node::getName());
   updater.add("parameters", [&](diagnostic_updater::DiagnosticStatusWrapper& status) {
     status.summary(diagnostic_msgs::DiagnosticStatus::ERROR, wrong);
   });
   const std::string before = parametersNow(own);
-  while (ros::ok() && !endAsked() && parametersNow(own) == before) {
+  const ros::SteadyTime end = ros::SteadyTime::now() + ros::WallDuration(kBetweenTries);
+  while (ros::ok() && !endAsked() && ros::SteadyTime::now() < end && parametersNow(own) == before) {
     updater.force_update();
     kBetween.sleep();
   }
@@ -165,7 +168,7 @@ int runNode(int argc, char** argv, const std::string& name, const std::function<
   } catch (const std::exception& e) {
     status = 2;
     const bool input = dynamic_cast<const InputError*>(&e) != nullptr;
-    if (input && comesUpAgain(ros::NodeHandle("~")))
+    if (input && comesUpAgain())
       waitForOtherParameters(e.what());
     else
       ROS_FATAL("%s", e.what());

@@ -49,8 +49,9 @@ void answer(Response& response, Work&& work) {
   }
 }
 
-/// The boundary of a node: initialises ROS, runs `work` and says what it throws. With the parameter `respawn`
-/// (looked for upwards; roslaunch starts the node again) wrong parameters do not end it before they change.
+/// The boundary of a node: initialises ROS, runs `work` and says what it throws. With MM_RESPAWN=true
+/// in the environment (roslaunch starts the node again) wrong parameters do not end it before they change, or
+/// half a minute is over.
 /// @return exit status: 0, or 2 for bad parameters.
 int runNode(int argc, char** argv, const std::string& name, const std::function<void()>& work);
 

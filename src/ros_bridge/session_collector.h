@@ -25,10 +25,10 @@ class SessionCollector {
 
   // @throw InputError naming source and topic: a machine or artifact that cannot be read.
   void addRobotDescription(const std::string& urdf);
-  /// The file that the session was imported from: the headers' `seq` are its lines.
+  /// The file that the session was imported from, empty: none. The headers' `seq` are its lines.
   void addImportedFrom(const std::string& file) {
     importedFrom_ = file;
-    if (!file.empty()) travel_.trustVelocities();
+    travel_.trustVelocities(!file.empty());
   }
   /// What the controller compensates, as compensationJson; the last one counts.
   void addCompensation(const std::string& json) { compensation_ = parseCompensation(json, source_); }

@@ -26,8 +26,8 @@ class TravelLog {
 
   /// @param most motions of a joint that are kept; 0: all.
   void bound(std::size_t most) { most_ = most; }
-  /// A direction is that of the velocity, whatever the readings: a file told it.
-  void trustVelocities() { told_ = true; }
+  /// @param told a direction is that of the velocity, whatever the readings: a file told it.
+  void trustVelocities(bool told) { told_ = told; }
 
   /// @param publisher its node. @param machine whose joints count; null: not known yet.
   /// @param start stamp of the session, ns: what lies before goes first, where room is needed.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "base/cancel_scope.h"
 #include "base/error.h"
 #include "base/names_of.h"
 #include "base/nearest_name.h"
@@ -82,9 +83,10 @@ class FeatureNames {
   std::string fault(std::string_view name) const {
     const std::string key = renamed(name);
     const std::vector<std::string> names = allNames(artifact_.features);
-    return "feature '" + key + "' is not in artifact '" + artifact_.name + "'" + didYouMean(key, names) +
+    return "feature '" + shownText(key) + "' is not in artifact '" + artifact_.name + "'" +
+           didYouMean(key, names) +
            (form_.own ? ""
-                      : "; if it is one of them, add to the mapping: features: {" + key + ": " +
+                      : "; if it is one of them, add to the mapping: features: {" + shownText(key) + ": " +
                             (names.empty() ? "ball" : names.front()) + "}");
   }
 
@@ -153,6 +155,7 @@ class TableReader {
     while (faults_.count() < kHopeless && line_ < lines.size()) {
       const std::string_view line = lines[line_++];
       if (trim(line).empty() || (!form_.own && isRemark(line))) continue;
+      CancelScope::check();
       collect([&] { readRow(line); });
       if (progress && line_ % 8192 == 0)
         progress(static_cast<double>(line_) / static_cast<double>(lines.size()));
@@ -168,7 +171,7 @@ class TableReader {
  private:
   [[noreturn]] void fail(const std::string& what) const { throw InputError(file_.place(line_) + what); }
   [[noreturn]] void fail(const CsvColumn& column, const std::string& what) const {
-    fail("column '" + column.header + "'" + what);
+    fail("column '" + shownText(column.header) + "'" + what);
   }
 
   /// Faults of rows and cells are collected, so that they can be corrected at once.
@@ -230,7 +233,7 @@ class TableReader {
     const bool read = form_.own ? parsePlainNumber(cell, value)
                                 : parseNumber(withoutUnit(cell, column.suffix), form_.decimalComma, value);
     if (!read)
-      fail(column, ": '" + std::string(cell) + "' is not a finite number" +
+      fail(column, ": '" + shownText(cell) + "' is not a finite number" +
                        (form_.decimalComma ? " (with a decimal comma)" : "") +
                        "; leave the cell empty where nothing was measured");
     ranges_[index].add(cell, value);
@@ -246,7 +249,7 @@ class TableReader {
                        line.find_first_of("0123456789") == std::string_view::npos;
     if (words || (sumsUp(cells_) && features_.find(*first) < 0)) {
       notes_.push_back("line " + std::to_string(line_) + " is not a data row and was skipped: '" +
-                       std::string(line.substr(0, 60)) + "'");
+                       shownText(trim(line)) + "'");
       return false;
     }
     return true;
@@ -301,13 +304,13 @@ class TableReader {
       if (column.timeForm == TimeForm::kNumber && column.role == CsvRole::kTime) {
         const double time = number(cells_[i], i);
         if (time < kSmallestTime || time > kLargestTime)
-          fail(column, ": " + std::string(cells_[i]) + " s is outside -9e8 … 3e9 s; is it in seconds?");
+          fail(column, ": " + shownText(cells_[i]) + " s is outside -9e8 … 3e9 s; is it in seconds?");
         stamp += std::llround(time * 1e9);
         continue;
       }
       const auto read = parseTime(column.timeForm, cells_[i]);
       if (!read)
-        fail(column, ": '" + std::string(cells_[i]) + "' is not a " +
+        fail(column, ": '" + shownText(cells_[i]) + "' is not a " +
                          (column.timeForm == TimeForm::kClock
                               ? "time of day (10:15:03)"
                               : "calendar time (2026-11-21T10:15:03, 21.11.2026 10:15:03)") +
@@ -353,7 +356,7 @@ class TableReader {
     if (double* value = numberOf(column, o, kinds)) {
       *value = number(cell, index);
       if (column.role == CsvRole::kDeviationStd && *value <= 0.0)
-        fail(column, ": " + std::string(cell) + " must be above 0");
+        fail(column, ": " + shownText(cell) + " must be above 0");
     } else if (column.role == CsvRole::kTemperature || column.role == CsvRole::kCovariate) {
       kinds.logged = true;
       (column.role == CsvRole::kTemperature ? temperatures_ : covariates_)
@@ -368,7 +371,7 @@ class TableReader {
     if (column.role == CsvRole::kDirection) {
       const double direction = directionOf(cell);
       if (direction == 0.0)
-        fail(column, ": '" + std::string(cell) +
+        fail(column, ": '" + shownText(cell) +
                          "' is not a direction; write + or - (up and down, forward and reverse, 1 and -1 are "
                          "understood)");
       o.travel.resize(zeroUnlessColumn_.size(), 0.0);
@@ -391,9 +394,9 @@ class TableReader {
 
   std::string stylusFault(std::string_view cell) const {
     const std::vector<std::string> known = allNames(session_.artifact.styli);
-    return "stylus '" + std::string(cell) + "' is not in the artifact file" +
+    return "stylus '" + shownText(cell) + "' is not in the artifact file" +
            (known.empty()
-                ? "; name it there: probe: {styli: [{name: " + std::string(cell) + ", tip_radius_mm: …}, …]}"
+                ? "; name it there: probe: {styli: [{name: " + shownText(cell) + ", tip_radius_mm: …}, …]}"
                 : didYouMean(std::string(cell), known) + "; it names " + listOf(known));
   }
 

@@ -129,14 +129,14 @@ bool isTemperatureUnit(const std::string& unit) {
 void checkName(const std::string& name, const std::string& header, const std::string& place) {
   const auto allowed = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
   if (name.empty() || !std::all_of(name.begin(), name.end(), allowed))
-    throw InputError(place + ": column '" + header + "': '" + name +
+    throw InputError(place + ": column '" + shownText(header) + "': '" + shownText(name) +
                      "' cannot name a sensor or covariate; use letters, digits and _");
 }
 
 /// A sensor, a covariate, or nothing that the format knows.
 CsvColumn openColumn(const std::string& header, const Known& known, const std::string& place) {
   const auto refuse = [&](const std::string& why) {
-    throw InputError(place + ": column '" + header + "' " + why);
+    throw InputError(place + ": column '" + shownText(header) + "' " + why);
   };
   const std::vector<std::string> names = namesOf(known);
   const std::size_t cut = header.rfind('_');
@@ -191,7 +191,8 @@ std::vector<CsvColumn> parseCsvHeader(const std::vector<std::string>& names, con
       throw InputError(place +
                        ": columns must be separated by commas, numbers written with a decimal point; "
                        "measurements in a table of any other form become a session by mm import");
-    if (!seen.insert(header).second) throw InputError(place + ": column '" + header + "' is given twice");
+    if (!seen.insert(header).second)
+      throw InputError(place + ": column '" + shownText(header) + "' is given twice");
     const auto fixed = known.find(header);
     CsvColumn column = fixed != known.end() ? fixed->second : openColumn(header, known, place);
     if (column.role == CsvRole::kTemperature || column.role == CsvRole::kCovariate) {

@@ -4,6 +4,7 @@
 
 #include "base/format.h"
 #include "session/plan_test_sheet.h"
+#include "session/test_targets.h"
 
 namespace mm {
 namespace {
@@ -11,19 +12,7 @@ namespace {
 constexpr double kStandoff = 0.1;  // m from where a beam's lengths begin to its first target
 constexpr int kGaugeLengths = 5;   // ISO 10360-2
 
-/// Positions up and down, each end reached from beyond it. @param at readings at a share of the way.
-template <typename At, typename Read>
-void upAndDown(TestSheet& t, double beyond, const At& at, const Read& read) {
-  const double last = t.size.positions - 1.0;
-  t.script.repeat(t.size.runs, [&] {
-    t.script.go(at(-beyond));
-    for (int k = 0; k < t.size.positions; ++k) read(at(k / last));
-    t.script.go(at(1.0 + beyond));
-    for (int k = t.size.positions - 1; k >= 0; --k) read(at(k / last));
-  });
-}
-
-/// A straight line of the tip, every joint going evenly.
+/// A straight line of the joints, every one going evenly.
 struct BeamLine {
   std::string name;
   PlanScript::Readings from, to;
@@ -32,7 +21,33 @@ struct BeamLine {
     for (std::size_t j = 0; j < q.size(); ++j) q[j] += share * (to[j] - from[j]);
     return q;
   }
+  /// Beyond the place at a share of the way, every joint that moves by as much as takes up its play.
+  /// @param side -1 before it, +1 behind it.
+  PlanScript::Readings outside(const TestSheet& t, double share, double side) const {
+    PlanScript::Readings q = at(share);
+    for (std::size_t j = 0; j < q.size(); ++j)
+      if (to[j] != from[j]) q[j] += std::copysign(t.beyond(static_cast<int>(j)), side * (to[j] - from[j]));
+    return q;
+  }
 };
+
+/// Places to and fro along a line, each end reached from beyond it. @param shares of the way, ascending.
+template <typename Read>
+void toAndFro(TestSheet& t, const BeamLine& line, const std::vector<double>& shares, const Read& read) {
+  t.script.repeat(t.size.runs, [&] {
+    t.script.go(line.outside(t, 0.0, -1.0));
+    for (const double share : shares) read(line.at(share));
+    t.script.go(line.outside(t, 1.0, 1.0));
+    for (auto share = shares.rbegin(); share != shares.rend(); ++share) read(line.at(*share));
+  });
+}
+
+/// Shares of a line of that length (m or rad) at which ISO 230-2 and 230-6 read.
+std::vector<double> sharesOf(const TestSheet& t, const std::string& line, double length, bool linear) {
+  std::vector<double> shares = shiftedTargets(linear ? t.targets(line, length) : t.size.positions, 1.0);
+  for (double& share : shares) share += 0.5;
+  return shares;
+}
 
 /// @param signs by which each axis goes along the line, 0: it stands in the middle.
 BeamLine beamLine(const TestSheet& t, const std::vector<int>& axes, const std::vector<int>& signs) {
@@ -53,22 +68,14 @@ const std::vector<std::vector<int>> kFaceDiagonals = {{1, 1, 0},  {1, -1, 0}, {0
                                                       {0, 1, -1}, {1, 0, 1},  {-1, 0, 1}};
 const std::vector<std::vector<int>> kAlongAxes = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
-/// The point, on the line drawn out, from which its lengths count.
-int beamOf(TestSheet& t, const BeamLine& line) {
-  const auto tip = [&](const PlanScript::Readings& q) {
-    return t.machine.nominal(q.data(), kNotMeasured).position;
-  };
-  const Eigen::Vector3d from = tip(line.from), way = (tip(line.to) - from).normalized();
-  return t.script.addPoint(line.name, from - kStandoff * way);
+Eigen::Vector3d tipAt(const TestSheet& t, const PlanScript::Readings& q) {
+  return t.machine.nominal(q.data(), kNotMeasured).position;
 }
 
-/// Share of a line by which the joints go beyond its ends.
-double beyondOf(const TestSheet& t, const BeamLine& line) {
-  double share = INFINITY;
-  for (std::size_t j = 0; j < line.from.size(); ++j)
-    if (line.to[j] != line.from[j])
-      share = std::min(share, t.beyond(static_cast<int>(j)) / std::abs(line.to[j] - line.from[j]));
-  return share;
+/// The point, on the line drawn out, from which its lengths count.
+int beamOf(TestSheet& t, const BeamLine& line) {
+  const Eigen::Vector3d from = tipAt(t, line.from), way = (tipAt(t, line.to) - from).normalized();
+  return t.script.addPoint(line.name, from - kStandoff * way);
 }
 
 }  // namespace
@@ -82,12 +89,12 @@ void writePositioning(TestSheet& t) {
       format("approach: {overrun_mm: %.3g, overrun_deg: %.3g}\nreference:\n", kBeyondStretch, kBeyondStretch);
   for (int j = 0; j < t.machine.jointCount(); ++j) {
     const Stretch s = stretchOf(t, j);
-    const char* symbol = readingUnit(t.joint(j)).symbol;
-    t.head +=
-        "  - {joint: " + t.joint(j).name +
-        format(", from_%s: %.6g, to_%s: %.6g, points: %d, runs: %d, dwell_s: %.3g", symbol,
-               s.from / t.unit(j), symbol, s.to / t.unit(j), t.size.positions, t.size.runs, kTestDwell) +
-        ", setup: " + t.joint(j).name + ", at: {" + at + "}}\n";
+    std::string positions;
+    for (const double share : sharesOf(t, "joint " + t.joint(j).name, s.length(), !t.turns(j)))
+      positions += (positions.empty() ? "" : ", ") + format("%.6g", s.at(share) / t.unit(j));
+    t.head += "  - {joint: " + t.joint(j).name + ", positions_" + readingUnit(t.joint(j)).symbol + ": [" +
+              positions + format("], runs: %d, dwell_s: %.3g", t.size.runs, kTestDwell) +
+              ", setup: " + t.joint(j).name + ", at: {" + at + "}}\n";
   }
 }
 
@@ -98,15 +105,20 @@ void writeCircular(TestSheet& t) {
     const int first = axes[p], second = axes[(p + 1) % axes.size()];
     const Stretch u = stretchOf(t, first), v = stretchOf(t, second);
     const double radius = 0.5 * std::min(u.to - u.from, v.to - v.from);
-    const auto read = [&](int k) {
+    const auto point = [&](int k) {
       const double angle = 2.0 * kPi * k / t.size.positions;
       PlanScript::Readings q = t.with(first, u.at(0.5) + radius * std::cos(angle));
       q[static_cast<std::size_t>(second)] = v.at(0.5) + radius * std::sin(angle);
-      t.script.position(q, kTestDwell, t.joint(first).name + t.joint(second).name);
+      return q;
     };
+    const std::string setup = t.joint(first).name + t.joint(second).name;
     t.script.repeat(t.size.runs, [&] {
-      for (int k = 0; k <= t.size.positions; ++k) read(k);      // counter-clockwise
-      for (int k = t.size.positions - 1; k >= 0; --k) read(k);  // clockwise
+      for (const int sense : {1, -1}) {           // counter-clockwise, clockwise
+        const int first = sense > 0 ? 0 : 1;      // where the other sense has ended
+        t.script.go(point(sense * (first - 1)));  // the way from there takes up the play
+        for (int k = first; k <= t.size.positions; ++k)
+          t.script.position(point(sense * k), kTestDwell, setup);
+      }
     });
   }
 }
@@ -114,9 +126,10 @@ void writeCircular(TestSheet& t) {
 void writeRotation(TestSheet& t) {
   for (const int j : t.rotaryJoints()) {
     const Stretch s = stretchOf(t, j);
-    upAndDown(
-        t, t.beyond(j) / s.length(), [&](double share) { return t.with(j, s.at(share)); },
-        [&](const PlanScript::Readings& q) { t.script.position(q, kTestDwell, t.joint(j).name); });
+    std::vector<double> evenly;
+    for (int k = 0; k < t.size.positions; ++k) evenly.push_back(k / (t.size.positions - 1.0));
+    toAndFro(t, {t.joint(j).name, t.with(j, s.from), t.with(j, s.to)}, evenly,
+             [&](const PlanScript::Readings& q) { t.script.position(q, kTestDwell, t.joint(j).name); });
   }
 }
 
@@ -130,9 +143,9 @@ void writeDiagonal(TestSheet& t) {
   for (const std::vector<int>& signs : lines) {
     const BeamLine line = beamLine(t, axes, signs);
     const int beam = beamOf(t, line);
-    upAndDown(
-        t, beyondOf(t, line), [&](double share) { return line.at(share); },
-        [&](const PlanScript::Readings& q) { t.script.length(beam, q, kTestDwell); });
+    const double length = (tipAt(t, line.to) - tipAt(t, line.from)).norm();
+    toAndFro(t, line, sharesOf(t, "diagonal " + line.name, length, true),
+             [&](const PlanScript::Readings& q) { t.script.length(beam, q, kTestDwell); });
   }
 }
 
@@ -143,13 +156,12 @@ void writeLength(TestSheet& t) {
   for (const std::vector<int>& signs : lines) {
     const BeamLine line = beamLine(t, axes, signs);
     const int beam = beamOf(t, line);
-    const double beyond = beyondOf(t, line);
     for (int i = 1; i <= kGaugeLengths; ++i) {
       const double share = static_cast<double>(i) / kGaugeLengths;
       t.script.repeat(t.size.runs, [&] {  // each end from outside
-        t.script.go(line.at(-beyond));
+        t.script.go(line.outside(t, 0.0, -1.0));
         t.script.length(beam, line.at(0.0), kTestDwell);
-        t.script.go(line.at(share + beyond));
+        t.script.go(line.outside(t, share, 1.0));
         t.script.length(beam, line.at(share), kTestDwell);
       });
     }

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/format.h"
 #include "machine/linear_inverse.h"
+#include "session/test_targets.h"
 
 namespace mm {
 namespace {
@@ -35,6 +36,15 @@ PlanScript::Readings TestSheet::with(int j, double reading) const {
   PlanScript::Readings q = middle;
   q[static_cast<std::size_t>(j)] = reading;
   return q;
+}
+
+int TestSheet::targets(const std::string& line, double length) const {
+  const int fewest = fewestTargets(length);
+  if (positionsSaid && size.positions < fewest)
+    refuse(format(
+        "needs --positions %d or more, not %d: %s is %.6g mm long, and ISO 230-2 has five targets a metre",
+        fewest, size.positions, line.c_str(), length / kMillimetre));
+  return std::max(size.positions, fewest);
 }
 
 double TestSheet::slowest(JointKind kind) const {

@@ -19,8 +19,9 @@ struct TestSheet {
   const PlanTest& test;
   const Machine& machine;
   PlanTestSize size;
-  std::string head;   // keys of the plan before its moves
-  PlanScript script;  // its moves
+  bool positionsSaid = false;  // by who asks for the plan
+  std::string head;            // keys of the plan before its moves
+  PlanScript script;           // its moves
   PlanScript::Readings middle;
   double rapid = 0.0, turning = 0.0;  // m/s and rad/s of the plan, between readings
 
@@ -30,6 +31,9 @@ struct TestSheet {
   double unit(int j) const { return readingUnit(joint(j)).factor; }  ///< mm or deg
   double beyond(int j) const { return kBeyondStretch * unit(j); }    ///< m or rad
   double pace(int j) const { return turns(j) ? turning : rapid; }    ///< m/s or rad/s
+  /// How many targets a line of that length (m) has: as said, else as usual, or more where it is long.
+  /// @param line in words. @throw InputError where fewer are said than ISO 230-2 has.
+  int targets(const std::string& line, double length) const;
   /// The middle, but one joint elsewhere.
   PlanScript::Readings with(int j, double reading) const;
   std::vector<int> rotaryJoints() const;  ///< refuses a machine without

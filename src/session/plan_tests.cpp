@@ -20,7 +20,7 @@ const std::vector<TestRow>& testRows() {
         "ISO 230-2: positioning of each axis",
         "an interferometer along each linear axis; a polygon and an autocollimator at each rotary one",
         {11, 5, 0.0, 0.0},
-        2},
+        5},
        writePositioning},
       {{"etve",
         "ISO 230-3, 5: environmental temperature variation error",
@@ -43,7 +43,7 @@ const std::vector<TestRow>& testRows() {
         {0, 0, 4.0, 5.0}},
        writeRotary},
       {{"circular",
-        "ISO 230-4: circles in both senses",
+        "static readings on circles in both senses, evaluated as ISO 230-4; no servo errors",
         "a grid encoder or a tracker",
         {36, 1, 0.0, 0.0},
         12},
@@ -101,6 +101,7 @@ std::string testPlan(const std::string& test, const PlanTestSize& said, const Ma
   for (const TestRow& row : testRows()) {
     if (row.test.name != test) continue;
     TestSheet sheet(row.test, machine, sizeOf(row.test, said));
+    sheet.positionsSaid = said.positions != 0;
     row.write(sheet);
     return "# " + row.test.standard + ". Needs " + row.test.needs + ".\nname: " + name + "\n" +
            format("speeds: {rapid_mm_s: %.6g, rapid_deg_s: %.6g}\n", sheet.rapid / kMillimetre,

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/format.h"
+#include "base/tiny.h"
 #include "machine/linear_inverse.h"
 #include "session/plan_test_sheet.h"
 
@@ -12,15 +13,35 @@ namespace {
 constexpr double kMinute = 60.0, kMinutesOfHour = 60.0;
 constexpr double kRest = 0.25;  // of the hours of load: how long it is watched while it cools
 
-/// How many readings there are in so many hours.
-int readingsIn(const TestSheet& t, double hours) {
-  return std::max(1, static_cast<int>(std::lround(hours * kMinutesOfHour / t.size.everyMin)));
+/// Readings that fill so many hours: as often as said, or a little less.
+struct Schedule {
+  int count = 0;
+  double interval = 0.0;  // s
+};
+
+Schedule scheduleOf(const TestSheet& t, double hours) {
+  const double minutes = hours * kMinutesOfHour;
+  const int count = std::max(1, static_cast<int>(minutes / t.size.everyMin + kOfAWhole));
+  return {count, minutes * kMinute / count};
 }
 
-/// To and fro between the ends for the time between two readings. @param taken s of that time, by reading.
-void swing(TestSheet& t, int j, const Stretch& s, double taken) {
-  const double once = 2.0 * s.length() / t.pace(j);
-  t.script.repeat(std::max(1, static_cast<int>((t.size.everyMin * kMinute - taken) / once)), [&] {
+/// How often a joint goes to and fro between two readings. @param taken s of that time, by the reading.
+/// @param once s of once to and fro. @param rest receives what is left, s.
+int swingsIn(const TestSheet& t, int j, const Schedule& readings, double taken, double once, double& rest) {
+  const int count = static_cast<int>((readings.interval - taken) / once + kOfAWhole);
+  if (count < 1) {
+    const double shortest = std::ceil((taken + once) / kMinute * 10.0) / 10.0;
+    t.refuse(format("needs %s or more: a reading and once to and fro of joint %s take %.4g min",
+                    t.size.everyMin < shortest ? format("--every-min %.4g", shortest).c_str()
+                                               : format("--hours %.4g", shortest / kMinutesOfHour).c_str(),
+                    t.joint(j).name.c_str(), (taken + once) / kMinute));
+  }
+  rest = std::max(0.0, readings.interval - taken - count * once);
+  return count;
+}
+
+void swing(TestSheet& t, int j, const Stretch& s, int times) {
+  t.script.repeat(times, [&] {
     t.script.go(t.with(j, s.to));
     t.script.go(t.with(j, s.from));
   });
@@ -31,8 +52,8 @@ void swing(TestSheet& t, int j, const Stretch& s, double taken) {
 void writeEtve(TestSheet& t) {
   t.head += "instrument: {thermal: {ambient: {swing_K: 1, swing_period_min: 1440}}}  # simulated room\n";
   t.script.position(t.middle, kTestDwell, t.test.name);
-  t.script.repeat(readingsIn(t, t.size.hours),
-                  [&] { t.script.position(t.middle, t.size.everyMin * kMinute, t.test.name); });
+  const Schedule readings = scheduleOf(t, t.size.hours);
+  t.script.repeat(readings.count, [&] { t.script.position(t.middle, readings.interval, t.test.name); });
 }
 
 void writeSpindle(TestSheet& t) {
@@ -42,12 +63,15 @@ void writeSpindle(TestSheet& t) {
       "  covariates: [{name: spindle, unit: rpm, mean: 10000, from_min: %.6g, to_min: %.6g}]\n"
       "  thermal: {heat: [{body: motor, power_W: 4, from_min: %.6g, to_min: %.6g}]}\n",
       from, to, from, to);
-  const auto read = [&] { t.script.position(t.middle, t.size.everyMin * kMinute, t.test.name); };
+  const auto readFor = [&](double hours) {
+    const Schedule readings = scheduleOf(t, hours);
+    t.script.repeat(readings.count, [&] { t.script.position(t.middle, readings.interval, t.test.name); });
+  };
   t.script.position(t.middle, kTestDwell, t.test.name);
   t.script.remark("start the spindle; its speed is recorded as covariate spindle, unit rpm");
-  t.script.repeat(readingsIn(t, t.size.hours), read);
+  readFor(t.size.hours);
   t.script.remark("stop the spindle");
-  t.script.repeat(readingsIn(t, kRest * t.size.hours), read);
+  readFor(kRest * t.size.hours);
 }
 
 void writeLinear(TestSheet& t) {
@@ -61,31 +85,38 @@ void writeLinear(TestSheet& t) {
       for (const double share : {0.0, 0.5, 1.0})
         t.script.deviation(j, t.with(j, s.at(share)), kTestDwell, t.joint(j).name);
     };
-    const double taken = 3.0 * kTestDwell, backAndForth = 2.0 * s.length() / t.pace(j);
+    // A reading ends at the far end; the ways to and from it are once to and fro, of the swings or of it
+    // alone.
+    const double taken = 3.0 * kTestDwell + 2.0 * t.beyond(j) / t.pace(j),
+                 once = 2.0 * s.length() / t.pace(j);
+    const Schedule load = scheduleOf(t, t.size.hours), cooling = scheduleOf(t, kRest * t.size.hours);
+    double rest = 0.0;
+    const int swings = swingsIn(t, j, load, taken, once, rest);
     read(0.0);
-    t.script.repeat(readingsIn(t, t.size.hours), [&] {
-      swing(t, j, s, taken);
-      read(0.0);
+    t.script.repeat(load.count, [&] {
+      swing(t, j, s, swings);
+      read(rest);
     });
-    t.script.repeat(readingsIn(t, kRest * t.size.hours),
-                    [&] { read(std::max(0.0, t.size.everyMin * kMinute - taken - backAndForth)); });
+    t.script.repeat(cooling.count, [&] { read(std::max(0.0, cooling.interval - taken - once)); });
   }
 }
 
 void writeRotary(TestSheet& t) {
   for (const int j : t.rotaryJoints()) {
     const Stretch s = stretchOf(t, j);
-    const auto read = [&] {
-      t.script.go(t.with(j, t.middle[static_cast<std::size_t>(j)] - t.beyond(j)));
+    const auto read = [&](double wait) {
+      t.script.go(t.with(j, t.middle[static_cast<std::size_t>(j)] - t.beyond(j)), wait);
       t.script.position(t.middle, kTestDwell, t.joint(j).name);
     };
-    read();
-    t.script.repeat(readingsIn(t, t.size.hours), [&] {
-      swing(t, j, s, kTestDwell);
-      read();
+    const Schedule load = scheduleOf(t, t.size.hours), cooling = scheduleOf(t, kRest * t.size.hours);
+    double rest = 0.0;
+    const int swings = swingsIn(t, j, load, kTestDwell, 2.0 * s.length() / t.pace(j), rest);
+    read(0.0);
+    t.script.repeat(load.count, [&] {
+      swing(t, j, s, swings);
+      read(rest);
     });
-    t.script.repeat(readingsIn(t, kRest * t.size.hours),
-                    [&] { t.script.position(t.middle, t.size.everyMin * kMinute, t.joint(j).name); });
+    t.script.repeat(cooling.count, [&] { t.script.position(t.middle, cooling.interval, t.joint(j).name); });
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "base/yaml_mapping.h"
 
 namespace mm {
@@ -52,15 +53,23 @@ void readPlacement(const YamlMapping& map, PlacementSettings& placement) {
   set(map, "form_um", kMicrometre, 0.0, kAny, placement.form);
 }
 
+/// Keys from_min and to_min, which keeps its value where the key is missing.
+void setPeriod(const YamlMapping& map, double& from, double& to) {
+  set(map, "from_min", kMinute, 0.0, kAny, from);
+  set(map, "to_min", kMinute, 0.0, kAny, to);
+  if (to < from)
+    map.fail("to_min",
+             format("is %.6g, before from_min %.6g; give a later one", to / kMinute, from / kMinute));
+}
+
 HeatSchedule readHeat(const YAML::Node& node, const std::string& source, const ThermalModel& bodies) {
   const YamlMapping map(node, source, "heat", {"body", "power_W", "from_min", "to_min", "every_min"});
   HeatSchedule heat;
   heat.body = bodies.findBody(map.text("body"));
   if (heat.body < 0 || heat.body == bodies.bodyCount() - 1) map.fail("body", "must be motor, frame or bed");
   heat.power = map.number("power_W", 1.0, -kAny, kAny);
-  set(map, "from_min", kMinute, 0.0, kAny, heat.from);
   heat.to = kAny;
-  set(map, "to_min", kMinute, 0.0, kAny, heat.to);
+  setPeriod(map, heat.from, heat.to);
   set(map, "every_min", kMinute, 1e-3, kAny, heat.every);
   return heat;
 }
@@ -105,8 +114,7 @@ TrueCovariate readCovariate(const YAML::Node& node, const std::string& source) {
   set(map, "mean", 1.0, -kAny, kAny, covariate.mean);
   set(map, "swing", 1.0, -kAny, kAny, covariate.swing);
   set(map, "period_min", kMinute, 0.1, kAny, covariate.period);
-  set(map, "from_min", kMinute, 0.0, kAny, covariate.from);
-  set(map, "to_min", kMinute, 0.0, kAny, covariate.to);
+  setPeriod(map, covariate.from, covariate.to);
   return covariate;
 }
 

@@ -10,7 +10,6 @@
 #include "interpreters/loaded_compensation.h"
 #include "session/artifact_file.h"
 #include "tools/commands.h"
-#include "tools/exit_status.h"
 #include "tools/interrupt.h"
 #include "tools/json_output.h"
 #include "tools/one_line.h"
@@ -46,9 +45,11 @@ ImportPreview readFile(const ImportOptions& options) {
   throw InputError(faults.back());
 }
 
-int runImport(ImportOptions& options) {
+void runImport(ImportOptions& options) {
   if (options.output.empty() && !options.preview)
     throw InputError("-o is missing; name the session's bag, or look at the file first with --preview");
+  if (!options.output.empty() && options.preview)
+    throw InputError("--preview writes nothing; omit -o, or omit --preview");
   options.files.input(options.request.file);
   options.files.input(options.request.mapping);
   options.files.input(options.artifact);
@@ -69,7 +70,6 @@ int runImport(ImportOptions& options) {
     std::cout << previewText(read) << (options.preview ? firstRowsText(read.imported) : "");
   if (!read.faults.empty()) refuse(read.faults);
   if (writes && !options.json) std::cout << "written to " << options.output << '\n';
-  return read.doubts.empty() ? kDone : kAnswerIsNo;
 }
 
 std::string formatLines() {
@@ -83,7 +83,7 @@ std::string formatLines() {
 
 }  // namespace
 
-void addImportCommand(CLI::App& app, int& exitStatus) {
+void addImportCommand(CLI::App& app, int& /*exitStatus*/) {
   auto options = std::make_shared<ImportOptions>();
   CLI::App* command =
       app.add_subcommand("import", "Convert a table of contacts or an instrument's log to a session bag");
@@ -124,14 +124,13 @@ void addImportCommand(CLI::App& app, int& exitStatus) {
       "recognised; for what the file does not state, the error message gives the line to add to the mapping. "
       "Formats:\n" +
       formatLines() +
-      "A question (question: …) ends with status 1: the bag is written, and it is not known whether it is "
-      "as meant.\n"
+      "Answer what is asked (question: …) before a calibration: no cause is named until then.\n"
       "Examples:\n"
       "  mm import log.txt --machine three_axis --preview\n"
       "  mm import contacts.csv --artifact plate.yaml --machine three_axis -o plate.bag\n"
       "  mm import interferometer_x.csv --machine three_axis -o x.bag\n"
       "  mm import log.txt --columns mapping.yaml --machine three_axis -o log.bag");
-  command->callback([options, &exitStatus] { exitStatus = runImport(*options); });
+  command->callback([options] { runImport(*options); });
 }
 
 }  // namespace mm

@@ -1,13 +1,13 @@
 #include "tools/one_line.h"
 
-#include <cctype>
+#include "base/text.h"
 
 namespace mm {
 
 std::string oneLine(const std::string& text) {
   std::string line;
-  for (const char c : text) {
-    if (!std::isspace(static_cast<unsigned char>(c)))
+  for (const char c : printableText(text)) {
+    if (c != ' ')
       line += c;
     else if (!line.empty() && line.back() != ' ')
       line += ' ';

@@ -40,6 +40,14 @@ std::string takenBack(const VerifyCommand& c, const Calibration& calibration, co
   return "rolled back: " + before + " is active again in " + store.folder().string();
 }
 
+/// A session of the same machine. Warns where the calibration was made of it.
+Session freshSession(const VerifyCommand& c, const Calibration& calibration) {
+  Session session = loadSession(c.bags.joined(), calibration, c.fit.space);
+  if (const std::string why = whyNotFresh(calibration, session); !why.empty())
+    std::cerr << "mm: warning: " << c.bags.joined() << ": " << why << std::endl;
+  return session;
+}
+
 /// The states are compared before the key is read.
 int runBlind(VerifyCommand& c) {
   if (c.loaded || !c.exported.empty() || c.rollBack)
@@ -51,7 +59,7 @@ int runBlind(VerifyCommand& c) {
   BlindReport report;
   CalibrateOptions options = c.fit.checked();
   const Calibration calibration = loadCalibration(c.calibration);
-  const Session session = loadSession(c.bags.joined(), calibration, c.fit.space);
+  const Session session = freshSession(c, calibration);
   {
     ProgressBar bar("comparing");
     options.progress = [&](const std::string& block, double share) { bar.show(share, block); };
@@ -80,9 +88,7 @@ int runVerify(VerifyCommand& c) {
   options.calibrate = c.fit.checked();
   const Calibration calibration = loadCalibration(c.calibration);
   if (!c.exported.empty()) options.exported = std::make_shared<const LoadedExport>(c.exported, calibration);
-  const Session session = loadSession(c.bags.joined(), calibration, c.fit.space);
-  if (const std::string why = whyNotFresh(calibration, session); !why.empty())
-    std::cerr << "mm: warning: " << c.bags.joined() << ": " << why << std::endl;
+  const Session session = freshSession(c, calibration);
   std::optional<Verification> found;
   {
     ProgressBar bar("verifying");

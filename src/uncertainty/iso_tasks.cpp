@@ -7,6 +7,7 @@
 #include "base/format.h"
 #include "base/nearest_name.h"
 #include "base/units.h"
+#include "session/test_targets.h"
 #include "uncertainty/fitted_feature.h"
 #include "uncertainty/positioning_figures.h"
 #include "uncertainty/task_shapes.h"
@@ -15,8 +16,7 @@ namespace mm {
 namespace {
 
 constexpr int kLengths = 5, kRepeats = 3;  // ISO 10360-2: five lengths, three times, in seven positions
-constexpr int kTargets = 5, kRuns = 5;     // ISO 230-2, 5.3, axes up to 2 m: five targets a metre and runs
-constexpr double kShift = 0.3;             // of an interval at most, of a target
+constexpr int kRuns = 5;                   // ISO 230-2, 5.3
 constexpr double kInset = 0.02;            // of a range, from its ends
 constexpr double kShortestLine = 1.0 * kMillimetre;
 constexpr int kProbingContacts = 25;
@@ -80,18 +80,6 @@ struct LengthTest {
   std::optional<FittedFeature> ball;
   std::size_t firstOfBall = 0;  // among the points
 };
-
-/// Targets over a span about zero, each a part of an interval beside equal spacing, lest the period of a
-/// screw or of a scale is met at one phase only (ISO 230-2, 5.3: (i - 1) p + r).
-std::vector<double> shiftedTargets(int count, double span) {
-  const double interval = span / (count - 1 + kShift);
-  std::vector<double> at;
-  for (int i = 0; i < count; ++i) {
-    const double part = std::fmod(i * 0.618033988749895, 1.0);  // no two alike, and evenly spread
-    at.push_back(interval * (i + kShift * part) - 0.5 * span);
-  }
-  return at;
-}
 
 }  // namespace
 
@@ -159,7 +147,7 @@ MeasurementTask positioningTask(const std::string& axis, int targets, const Mode
     throw InputError(task +
                      format("it was calibrated over %.3g mm, which is too short; 1 mm or more is needed",
                             range / kMillimetre));
-  const int least = std::max(kTargets, static_cast<int>(std::ceil(kTargets * range)));
+  const int least = fewestTargets(range);
   if (targets != 0 && targets < least)
     throw InputError(task + format("--points %d is fewer than the five targets per metre of ISO 230-2: %d",
                                    targets, least));

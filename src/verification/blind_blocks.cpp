@@ -1,4 +1,4 @@
-#include <Eigen/Core>
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -19,6 +19,7 @@ namespace {
 
 constexpr double kFewestMeasured = 0.5;  // of the usual measurements: a block with less is left out
 constexpr double kMeasuredTwice = 1.5;   // more: it was measured again
+constexpr double kNoPrediction = 1e-12;  // m (rad): rounding
 
 /// The blocks of a session by their numbers: indices of observations.
 struct SortedBlocks {
@@ -93,6 +94,47 @@ Eigen::VectorXd withoutOutliers(const FreshPoints& points, const Eigen::VectorXd
   return outliers > 0 ? weights : Eigen::VectorXd();
 }
 
+/// What each block fits for itself, so that neither state can show it. @param block of one trial.
+std::string notJudgedIn(const Session& block) {
+  std::string pose, rest;
+  const auto& features = block.artifact.features;
+  const bool free = std::any_of(features.begin(), features.end(), [](const Feature& f) { return !f.known; });
+  if (block.poseFree(0) || free) pose = "shifts and turns of the whole artifact";
+  if (free) pose += ", and its scale (positions of its features are free)";
+  if (!block.setups.empty()) rest = std::string(pose.empty() ? "" : " and ") + "zeros of the instrument";
+  std::string sentence = pose + rest;
+  if (sentence.empty()) return {};
+  sentence[0] = static_cast<char>(sentence[0] - 'a' + 'A');
+  return sentence + " are not judged: each block fits them";
+}
+
+/// The share of each axis's predicted error that is there, all axes and what no axis carries together.
+void judgeAxes(const FreshPoints& points, TrialBlockFigures& found) {
+  constexpr double kNothing = 1e-6;   // of the largest: rounding
+  constexpr double kNotApart = 1e-4;  // of pivots of columns of length 1
+  const int count = static_cast<int>(points.axes().size());
+  if (count < 2) return;  // one axis is the whole
+  Eigen::MatrixXd columns(points.length(), count + 1);
+  for (int a = 0; a < count; ++a) columns.col(a) = points.own(a);
+  columns.col(count) = points.rest();
+  const Eigen::RowVectorXd sizes = columns.colwise().norm();
+  const double largest = sizes.maxCoeff();
+  std::vector<int> used;
+  for (int c = 0; c <= count; ++c)
+    if (sizes[c] > kNothing * largest) used.push_back(c);
+  Eigen::MatrixXd unit(points.length(), static_cast<Eigen::Index>(used.size()));
+  for (std::size_t k = 0; k < used.size(); ++k)
+    unit.col(static_cast<Eigen::Index>(k)) = columns.col(used[k]) / sizes[used[k]];
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(unit);
+  solver.setThreshold(kNotApart);
+  if (solver.rank() < unit.cols()) return;
+  const Eigen::VectorXd share = solver.solve(points.raw());
+  for (std::size_t k = 0; k < used.size(); ++k)
+    if (used[k] < count)
+      found.ofAxis[points.axes()[static_cast<std::size_t>(used[k])]] =
+          share[static_cast<Eigen::Index>(k)] / sizes[used[k]];
+}
+
 /// @param found receives the figures. @return RMS of the predicted error, m (rad).
 double judge(const Session& block, const Calibration& calibration, const CalibrateOptions& options,
              TrialBlockFigures& found, bool& angular) {
@@ -100,9 +142,9 @@ double judge(const Session& block, const Calibration& calibration, const Calibra
   auto points = std::make_unique<FreshPoints>(block, calibration, options, 0, weights);
   const auto project = [&] {
     const Eigen::VectorXd whole = points->whole();
-    const double square = whole.squaredNorm();
-    found.remaining = square > 0.0 ? whole.dot(points->raw()) / square : kNotMeasured;
-    return Eigen::VectorXd(points->raw() - found.remaining * whole);
+    const bool shows = rmsOf(*points, whole)[0] > kNoPrediction;
+    found.remaining = shows ? whole.dot(points->raw()) / whole.squaredNorm() : kNotMeasured;
+    return Eigen::VectorXd(points->raw() - (shows ? found.remaining : 0.0) * whole);
   };
   weights = withoutOutliers(*points, project(), found.outliers);
   if (weights.size() > 0) {
@@ -110,6 +152,7 @@ double judge(const Session& block, const Calibration& calibration, const Calibra
     project();
   }
   found.rms = rmsOf(*points, points->raw())[0];
+  judgeAxes(*points, found);
   const Problem& problem = *points->fitted().problem;
   const std::vector<int>& used = points->space().used();
   angular = std::all_of(used.begin(), used.end(),
@@ -130,18 +173,40 @@ std::vector<std::vector<std::size_t>> runsOf(const std::vector<std::size_t>& mem
   return runs;
 }
 
+/// How a block was measured other than in one go; empty: in one.
+std::string howMeasured(const std::vector<std::size_t>& members,
+                        const std::vector<std::vector<std::size_t>>& runs, double usual) {
+  std::size_t counted = 0;
+  for (const auto& run : runs) counted += run.size();
+  const bool twice = static_cast<double>(counted) > kMeasuredTwice * usual;
+  std::string how;
+  if (runs.size() > 1)
+    how = std::string(twice ? "was measured more than once and counts once"
+                            : "was measured in pieces and counts") +
+          ", as the mean";
+  else if (twice)
+    how = "was measured more than once without another between and counts once";
+  if (counted < members.size())
+    how += (how.empty() ? "was measured in pieces" : "") +
+           format("; %zu of its %zu measurements are a piece of too few and are left out",
+                  members.size() - counted, members.size());
+  return how;
+}
+
 /// The mean of the runs of a block. @param found knows number and state. @return mean square of the
 /// predicted error, m^2 (rad^2).
 double judgeRuns(const Session& session, const std::vector<std::vector<std::size_t>>& runs,
                  const Calibration& calibration, const CalibrateOptions& options, TrialBlockFigures& found,
                  bool& angular) {
   double square = 0.0, remaining = 0.0, predicted = 0.0;
+  std::map<std::string, int> told;  // runs that tell of an axis
   const double count = static_cast<double>(runs.size());
   for (const std::vector<std::size_t>& run : runs) {
     TrialBlockFigures one;
     predicted += std::pow(judge(alone(session, run), calibration, options, one, angular), 2) / count;
     square += one.rms * one.rms / count;
     remaining += one.remaining / count;
+    for (const auto& [axis, share] : one.ofAxis) found.ofAxis[axis] += share / count, ++told[axis];
     found.outliers += one.outliers;
     found.measurements += static_cast<int>(run.size());
     for (const std::size_t i : run)
@@ -149,6 +214,8 @@ double judgeRuns(const Session& session, const std::vector<std::vector<std::size
   }
   found.rms = std::sqrt(square);
   found.remaining = remaining;
+  for (const auto& [axis, runsTold] : told)
+    if (runsTold < static_cast<int>(runs.size())) found.ofAxis.erase(axis);
   return predicted;
 }
 
@@ -172,6 +239,7 @@ TrialBlocks trialBlocks(const Session& session, const Calibration& calibration,
   CalibrateOptions own = options;
   own.progress = nullptr;
   double squares = 0.0;
+  int judged = 0;
   for (int number = 1; number <= sorted.of; ++number) {
     const auto at = sorted.blocks.find(number);
     if (at == sorted.blocks.end()) {
@@ -181,12 +249,17 @@ TrialBlocks trialBlocks(const Session& session, const Calibration& calibration,
     const auto& [state, members] = at->second;
     const auto runs = runsOf(members, kFewestMeasured * usual);
     if (runs.empty()) {
-      remark(number, format("has %zu of %.0f measurements and is left out", members.size(), usual));
+      const bool pieces = members.back() - members.front() >= members.size();
+      remark(number, format("has %zu of %.0f measurements%s and is left out", members.size(), usual,
+                            pieces ? ", in pieces," : ""));
       continue;
     }
-    if (static_cast<double>(members.size()) > kMeasuredTwice * usual ||
-        members.back() - members.front() >= members.size())
-      remark(number, "was measured more than once and counts once, as the mean");
+    if (const std::string how = howMeasured(members, runs, usual); !how.empty()) remark(number, how);
+    if (found.notJudged.empty()) {
+      const Session one = alone(session, members);
+      found.fittedPose = one.poseFree(0);
+      found.notJudged = notJudgedIn(one);
+    }
     if (options.cancelled && options.cancelled()) throw Cancelled("stopped before the blocks were judged");
     if (options.progress)
       options.progress(format("block %d", number), static_cast<double>(number - 1) / sorted.of);
@@ -199,11 +272,15 @@ TrialBlocks trialBlocks(const Session& session, const Calibration& calibration,
       remark(number, "has too few measurements and is left out");
       continue;
     }
+    ++judged;
+    if (!std::isfinite(block.remaining) || !std::isfinite(block.rms)) {
+      remark(number, "has no point at which the correction shows and is left out");
+      continue;
+    }
     found.blocks.push_back(block);
   }
   found.predicted = std::sqrt(squares / std::max<double>(1.0, static_cast<double>(found.blocks.size())));
-  constexpr double kNoPrediction = 1e-12;  // m (rad): rounding
-  if (!found.blocks.empty() && !(found.predicted > kNoPrediction))
+  if (judged > 0 && !(found.predicted > kNoPrediction))
     throw InputError(session.source +
                      ": the calibration predicts no error at these points, so a correction "
                      "cannot be seen; mm plan verify selects points that show it");

@@ -70,7 +70,8 @@ double correlationWithTime(const std::string& order) {
 double smallestP(const std::string& order) {
   double count = 0.0;
   forEachOrder(order, [&](const std::string&) { ++count; });
-  return std::min(1.0, 2.0 / count);
+  const bool balanced = 2 * std::count(order.begin(), order.end(), 'A') == static_cast<int>(order.size());
+  return std::min(1.0, (balanced ? 2.0 : 1.0) / count);
 }
 
 BlindTrial blindTrial(const Plan& plan, const Machine& machine, const std::vector<std::size_t>& moves,

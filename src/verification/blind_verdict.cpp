@@ -6,21 +6,23 @@
 #include <cmath>
 
 #include "base/format.h"
+#include "base/nearest_name.h"
 #include "base/quantity_words.h"
+#include "base/tiny.h"
 #include "verification/blind_trial.h"
 #include "verification/trial_orders.h"
 
 namespace mm {
 namespace {
 
-constexpr double kFalseAnswers = 0.01;  // of false answers
 constexpr double kLittleGain = 0.5;     // share of the correction: less than this, for sure, is nothing
+constexpr double kAsMuch = 1.25;        // a gain of 1, or one over this: tables are interpolated and rounded
 constexpr double kLittleChange = 1.25;  // ratio of the RMS: less, for sure, is no change that counts
 constexpr int kTrialColumns = 3;        // level, trend, step
 constexpr double kNoRms = 1e-15;        // m (rad): no logarithm of less
 
-double quantile(int freedoms) {
-  return boost::math::quantile(boost::math::students_t(freedoms), 1.0 - 0.5 * kFalseAnswers);
+double quantile(double freedoms, double outside = kFalseAnswers) {
+  return boost::math::quantile(boost::math::students_t(freedoms), 1.0 - 0.5 * outside);
 }
 
 Eigen::VectorXd stepOf(const std::string& order) {
@@ -57,24 +59,61 @@ double randomisationP(const std::string& order, const Eigen::VectorXd& y, const 
   return as / all;
 }
 
-StatesCompared compared(const std::string& order, const Eigen::VectorXd& y, const Eigen::VectorXd& time) {
+/// What the blocks of one state say of their scatter, a level, trend and step taken out.
+struct Scatter {
+  double variance = 0.0, freedoms = 0.0;
+};
+
+/// @param left residuals. @param maker the matrix that makes them (idempotent). Only what the residuals of a
+/// state have from its own blocks counts as their degrees of freedom, so that the variance is not too small
+/// whatever the other state's is.
+Scatter scatterOfState(char state, const std::string& order, const Eigen::VectorXd& left,
+                       const Eigen::MatrixXd& maker) {
+  Scatter found;
+  for (Eigen::Index i = 0; i < left.size(); ++i) {
+    if (order[static_cast<std::size_t>(i)] != state) continue;
+    found.variance += left[i] * left[i];
+    for (Eigen::Index j = 0; j < left.size(); ++j)
+      if (order[static_cast<std::size_t>(j)] == state) found.freedoms += maker(i, j) * maker(i, j);
+  }
+  constexpr double kNoFreedom = 1e-9;
+  if (found.freedoms < kNoFreedom) found.freedoms = 0.0;
+  found.variance /= std::max(found.freedoms, kTiny);
+  return found;
+}
+
+/// Half-width of a weighted sum of the blocks (Welch, Satterthwaite).
+double halfWidth(const Eigen::VectorXd& weights, const std::string& order, const Scatter& ofA,
+                 const Scatter& ofB, double outside) {
+  double square = 0.0, spread = 0.0;
+  for (const char state : {'A', 'B'}) {
+    const Scatter& scatter = state == 'A' ? ofA : ofB;
+    double part = 0.0;
+    for (Eigen::Index i = 0; i < weights.size(); ++i)
+      if (order[static_cast<std::size_t>(i)] == state) part += weights[i] * weights[i] * scatter.variance;
+    square += part;
+    spread += part * part / scatter.freedoms;
+  }
+  return spread > 0.0 ? quantile(square * square / spread, outside) * std::sqrt(square) : 0.0;
+}
+
+/// @param outside share of the intervals that need not hold the truth.
+StatesCompared compared(const std::string& order, const Eigen::VectorXd& y, const Eigen::VectorXd& time,
+                        double outside = kFalseAnswers) {
   StatesCompared found;
-  const int freedoms = static_cast<int>(order.size()) - kTrialColumns;
   const Eigen::MatrixXd trend = levelAndTrend(time);
   Eigen::MatrixXd columns(time.size(), kTrialColumns);
   columns << trend, stepOf(order);
   const Eigen::MatrixXd normal = columns.transpose() * columns;
-  const Eigen::LDLT<Eigen::MatrixXd> solver(normal);
-  const Eigen::VectorXd x = solver.solve(columns.transpose() * y);
-  const double infinite = std::numeric_limits<double>::infinity();
-  double variance = infinite, t = infinite;
-  const bool tells = freedoms > 0 && std::abs(correlationWithTime(order)) < 0.95;
-  if (tells) {
-    variance = (y - columns * x).squaredNorm() / freedoms;
-    t = quantile(freedoms);
-  }
+  const Eigen::MatrixXd weights = normal.ldlt().solve(columns.transpose());  // of the blocks
+  const Eigen::VectorXd x = weights * y;
+  const Eigen::MatrixXd maker = Eigen::MatrixXd::Identity(y.size(), y.size()) - columns * weights;
+  const Eigen::VectorXd left = maker * y;
+  const Scatter ofA = scatterOfState('A', order, left, maker), ofB = scatterOfState('B', order, left, maker);
+  const bool tells = ofA.freedoms > 0.0 && ofB.freedoms > 0.0 && std::abs(correlationWithTime(order)) < 0.95;
   const auto half = [&](const Eigen::Vector3d& contrast) {
-    return tells ? t * std::sqrt(variance * contrast.dot(solver.solve(contrast))) : infinite;
+    return tells ? halfWidth(weights.transpose() * contrast, order, ofA, ofB, outside)
+                 : std::numeric_limits<double>::infinity();
   };
   const double level = trend(0, 0);
   found.a = level * x[0] - 0.5 * x[2];
@@ -98,8 +137,14 @@ int blocksFor(int n, double half, double wanted) {
   return 0;
 }
 
-std::string gainText(const TrialFigure& gain) {
-  return format("gain %.2f ± %.2f", gain.value, gain.upper - gain.value);
+std::string gainText(const OpenedTrial& t) {
+  const auto text = [](const TrialFigure& gain) {
+    return format(" %.2f ± %.2f", gain.value, gain.upper - gain.value);
+  };
+  std::string axes;
+  for (const AxisGain& axis : t.axes)
+    if (std::isfinite(axis.gain.upper)) axes += (axes.empty() ? "" : ", ") + axis.axis + text(axis.gain);
+  return "gain" + text(t.gain) + (axes.empty() ? "" : " (" + axes + ")");
 }
 
 std::string rmsText(const OpenedTrial& t, bool angular) {
@@ -109,36 +154,98 @@ std::string rmsText(const OpenedTrial& t, bool angular) {
          " (what is left: " + number(t.with.lower) + " to " + number(t.with.upper) + unit + ")";
 }
 
-std::string cannotTell(OpenedTrial& t, bool arrives, int blocks) {
+/// What is sure of the figures of a trial.
+struct Evidence {
+  bool changed = false, same = false;  // the RMS
+  bool arrives = false;                // any of the correction, to either side
+  bool little = false;                 // of it
+  bool worse = false;
+  // Axes whose gain is surely below 0, above a half, below it.
+  std::vector<std::string> reversed, arriving, missing;
+};
+
+Evidence evidenceOf(const OpenedTrial& t, double smallestP) {
+  Evidence e;
+  const double most = std::max(kFalseAnswers, smallestP) * (1.0 + 1e-9);
+  e.changed = t.ratio.lower > 1.0 || t.ratio.upper < 1.0;
+  e.same = t.ratio.upper < kLittleChange && t.ratio.lower > 1.0 / kLittleChange;
+  e.arrives = t.gainP <= most && (t.gain.lower > 0.0 || t.gain.upper < 0.0);
+  e.little = t.gain.upper < kLittleGain && t.gain.lower > -kLittleGain;
+  e.worse = e.changed && t.rmsP <= most && t.ratio.value > 1.0;
+  for (const AxisGain& axis : t.axes) {
+    if (axis.p <= most && axis.gain.upper < 0.0) e.reversed.push_back(axis.axis);
+    if (axis.p <= most && axis.gain.lower > kLittleGain) e.arriving.push_back(axis.axis);
+    if (axis.gain.upper < kLittleGain) e.missing.push_back(axis.axis);
+  }
+  return e;
+}
+
+TrialVerdict trialVerdict(const OpenedTrial& t, const Evidence& e) {
+  if (!e.reversed.empty()) return TrialVerdict::kWrongSign;
+  if (e.little && (e.same || !e.changed)) {
+    if (e.arriving.empty()) return TrialVerdict::kDidNothing;
+    return e.worse ? TrialVerdict::kWorse : TrialVerdict::kHelpedInPart;  // an axis has what is another's
+  }
+  if (e.arrives && t.gain.lower > kAsMuch) return TrialVerdict::kOvercorrected;
+  const bool reversed = t.gain.value < 0.0;
+  if (e.changed && e.arrives && reversed == (t.ratio.value > 1.0)) {
+    if (reversed) return TrialVerdict::kWrongSign;
+    return t.gain.upper < 1.0 / kAsMuch || !e.missing.empty() ? TrialVerdict::kHelpedInPart
+                                                              : TrialVerdict::kHelped;
+  }
+  return e.worse ? TrialVerdict::kWorse : TrialVerdict::kCannotTell;
+}
+
+std::string cannotTell(OpenedTrial& t, const Evidence& e, const LabelledTrial& trial) {
+  const int blocks = trial.blocksA + trial.blocksB;
+  if (trial.blocksA == 0 || trial.blocksB == 0)
+    return std::string("cannot tell: state ") + (trial.blocksA == 0 ? 'A' : 'B') + " was not measured";
   if (blocks <= kTrialColumns || !std::isfinite(t.gain.upper))
     return format(
         "cannot tell: %d blocks are too few, or lie so that a drift explains them as well; measure "
         "a trial of ten blocks",
         blocks);
-  const double logHalf = 0.5 * std::log(t.ratio.upper / t.ratio.lower);
-  const double logRatio = std::abs(std::log(t.ratio.value));
-  std::string text = "cannot tell: " + gainText(t.gain) +
-                     format(", ratio of the RMS %.2f to %.2f", t.ratio.lower, t.ratio.upper);
-  if (arrives)
+  std::string text =
+      "cannot tell: " + gainText(t) + format(", ratio of the RMS %.2f to %.2f", t.ratio.lower, t.ratio.upper);
+  if (e.arrives)
     text += std::string("; the correction arrives") + (t.gain.value > 0.0 ? "" : " with the wrong sign") +
             ", but the RMS does not show it";
-  t.blocksWanted = arrives ? blocksFor(blocks, logHalf, logRatio)
-                           : blocksFor(blocks, t.gain.upper - t.gain.value, kLittleGain);
+  if (e.arrives && e.same) return text + ": other errors are larger at these points";
+  const double logHalf = 0.5 * std::log(t.ratio.upper / t.ratio.lower);
+  const double logRatio = std::abs(std::log(t.ratio.value));
+  t.blocksWanted = e.arrives ? blocksFor(blocks, logHalf, logRatio)
+                             : blocksFor(blocks, t.gain.upper - t.gain.value, kLittleGain);
   return text + (t.blocksWanted > 0
                      ? format("; a trial of %d blocks could tell", t.blocksWanted)
                      : std::string("; the correction is too small for the scatter of these blocks: choose "
                                    "points where it is larger, or more in a block (--places, --touches)"));
 }
 
-std::string sentenceOf(OpenedTrial& t, bool arrives, int blocks, bool angular) {
-  const std::string figures = rmsText(t, angular) + ", " + gainText(t.gain);
+std::string wrongSign(const Evidence& e, const OpenedTrial& t, const std::string& figures) {
+  if (e.reversed.empty() && t.gain.lower > -1.0 / kAsMuch)
+    return "it has the wrong sign in part: " + figures + "; mm verify --loaded says of which axis";
+  if (e.reversed.empty() || e.reversed.size() == t.axes.size())
+    return "it has the wrong sign: " + figures + "; load the table with the other sign";
+  const std::string axes = listOf(e.reversed);
+  return "it has the wrong sign of " + axes + ": " + figures + "; load what corrects " + axes +
+         " with the other sign, unless mm verify --loaded says that tables are exchanged";
+}
+
+std::string sentenceOf(OpenedTrial& t, const Evidence& e, const LabelledTrial& trial, bool angular) {
+  const std::string figures = rmsText(t, angular) + ", " + gainText(t);
   switch (t.verdict) {
     case TrialVerdict::kHelped:
       return "it helped: " + figures;
+    case TrialVerdict::kHelpedInPart:
+      return format("it helped in part: %.2f of the correction arrives; ", t.gain.value) + figures +
+             "; mm verify --loaded says which axis";
+    case TrialVerdict::kOvercorrected:
+      return format("it corrects too much: the correction is applied %.1f times; ", t.gain.value) + figures +
+             "; check whether it is loaded twice, or beside offsets";
     case TrialVerdict::kDidNothing:
       return "it did nothing: " + figures + "; check that the table is loaded and was switched";
     case TrialVerdict::kWrongSign:
-      return "it has the wrong sign: " + figures + "; load the table with the other sign";
+      return wrongSign(e, t, figures);
     case TrialVerdict::kWorse:
       return "it made it worse: " + figures +
              "; the table belongs to another axis, or the machine is no longer as it was calibrated: mm "
@@ -146,7 +253,7 @@ std::string sentenceOf(OpenedTrial& t, bool arrives, int blocks, bool angular) {
     case TrialVerdict::kCannotTell:
       break;
   }
-  return cannotTell(t, arrives, blocks);
+  return cannotTell(t, e, trial);
 }
 
 }  // namespace
@@ -155,6 +262,10 @@ std::string nameOf(TrialVerdict verdict) {
   switch (verdict) {
     case TrialVerdict::kHelped:
       return "helped";
+    case TrialVerdict::kHelpedInPart:
+      return "helped_in_part";
+    case TrialVerdict::kOvercorrected:
+      return "overcorrected";
     case TrialVerdict::kDidNothing:
       return "did_nothing";
     case TrialVerdict::kWrongSign:
@@ -184,6 +295,17 @@ LabelledTrial compareStates(const std::vector<TrialBlockFigures>& blocks) {
   trial.smallestP = smallestP(order);
   trial.remaining = compared(order, remaining, time);
   trial.logRms = compared(order, logRms, time);
+  const std::map<std::string, double>& axes = blocks.front().ofAxis;
+  for (const auto& [axis, value] : axes) {
+    Eigen::VectorXd y(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const auto& ofAxis = blocks[static_cast<std::size_t>(i)].ofAxis;
+      const auto at = ofAxis.find(axis);
+      y[i] = at == ofAxis.end() ? kNotMeasured : at->second;
+    }
+    if (y.allFinite())
+      trial.ofAxis[axis] = compared(order, y, time, kFalseAnswers / static_cast<double>(axes.size()));
+  }
   return trial;
 }
 
@@ -204,19 +326,11 @@ OpenedTrial opened(const LabelledTrial& trial, char on, bool angular) {
   t.gain = figure(-side * trial.remaining.difference, trial.remaining.half);
   t.gainP = trial.remaining.p;
   t.rmsP = r.p;
-  const double most = std::max(kFalseAnswers, trial.smallestP) * (1.0 + 1e-9);
-  const bool changed = t.ratio.lower > 1.0 || t.ratio.upper < 1.0;
-  const bool arrives = t.gainP <= most && (t.gain.lower > 0.0 || t.gain.upper < 0.0);
-  const bool reversed = arrives && t.gain.value < 0.0;
-  const bool little = t.gain.upper < kLittleGain && t.gain.lower > -kLittleGain;
-  const bool same = t.ratio.upper < kLittleChange && t.ratio.lower > 1.0 / kLittleChange;
-  if (little && (same || !changed))
-    t.verdict = TrialVerdict::kDidNothing;
-  else if (changed && arrives && reversed == (t.ratio.value > 1.0))
-    t.verdict = reversed ? TrialVerdict::kWrongSign : TrialVerdict::kHelped;
-  else if (changed && t.rmsP <= most && t.ratio.value > 1.0)
-    t.verdict = TrialVerdict::kWorse;
-  t.inWords = sentenceOf(t, arrives, trial.blocksA + trial.blocksB, angular);
+  for (const auto& [axis, gain] : trial.ofAxis)
+    t.axes.push_back({axis, figure(-side * gain.difference, gain.half), gain.p});
+  const Evidence evidence = evidenceOf(t, trial.smallestP);
+  t.verdict = trialVerdict(t, evidence);
+  t.inWords = sentenceOf(t, evidence, trial, angular);
   return t;
 }
 

@@ -25,8 +25,8 @@ void forEachOrder(std::string order, const Called& called) {
   } while (std::next_permutation(order.begin(), order.end()));
 }
 
-/// The smallest p of a two-sided randomisation test with that order: an order and its mirror are equally
-/// extreme.
+/// The smallest p of a two-sided randomisation test with that order. As many A as B: an order and its mirror
+/// are equally extreme; else the mirror has another number of A and is none that may have been drawn.
 double smallestP(const std::string& order);
 
 }  // namespace mm

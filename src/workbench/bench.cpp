@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/cancel_scope.h"
 #include "base/error.h"
 #include "base/text.h"
 #include "base/units.h"
@@ -60,6 +61,7 @@ ImportWish wishOf(const RequestBody& body) {
   ImportWish wish;
   wish.file = body.number("file");
   wish.asked = body.number("asked");
+  wish.session = body.number("session");
   wish.machine = body.text("machine");
   wish.urdf = body.text("urdf");
   wish.artifact = body.text("artifact");
@@ -161,10 +163,12 @@ void Bench::serve(std::deque<Task>& tasks) {
 Bench::Ended Bench::carryOut(const Task& task, bool aside) {
   Ended ended{task.number, task.name, {}, false};
   try {
-    if (aside)
+    if (aside) {
+      const CancelScope scope([this] { return ending_.load(); });
       ended.message = task.work();
-    else
+    } else {
       job_.run(task.name, [&] { ended.message = task.work(); });
+    }
     ended.ok = true;
   } catch (const std::exception& e) {
     ended.message = e.what();
@@ -244,9 +248,10 @@ WebAnswer Bench::post(const std::string& path, const std::string& query, std::st
 
 WebAnswer Bench::action(const std::string& name, const std::string& json, const std::string& peer) {
   const RequestBody body(json);
-  body.refuseOthers(name, {"who", "client", "effect", "id", "model", "method", "seed", "plan", "controller",
-                           "file", "asked", "machine", "urdf", "artifact", "artifact_from", "mapping",
-                           "format", "compensation", "output"});
+  body.refuseOthers(name,
+                    {"who",      "client",        "effect",  "id",     "model",        "method",  "seed",
+                     "plan",     "controller",    "file",    "asked",  "session",      "machine", "urdf",
+                     "artifact", "artifact_from", "mapping", "format", "compensation", "output"});
   const std::string who = personOf(body.text("who"), peer);
   const std::string effect = body.text("effect"), id = body.text("id");
   if (name == "diagnose") return enqueue(name, who, [this] { return work_.diagnose(); });

@@ -1,4 +1,5 @@
 #pragma once
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -108,9 +109,10 @@ class Bench : public WebHandler {
   std::set<std::uint64_t> clients_;  // with a live connection
   std::optional<Armed> armed_;
   std::uint64_t numbers_ = 0, armings_ = 0;
-  std::uint64_t moving_ = 0;  // the arming under which it moves; 0: it does not
-  std::string running_;       // who asked for what runs
-  bool ending_ = false, over_ = false;
+  std::uint64_t moving_ = 0;         // the arming under which it moves; 0: it does not
+  std::string running_;              // who asked for what runs
+  std::atomic<bool> ending_{false};  // written under the mutex
+  bool over_ = false;
   std::thread worker_, aside_, looker_, watcher_;
 };
 

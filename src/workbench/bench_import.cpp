@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <system_error>
 
+#include "base/cancel_scope.h"
 #include "base/error.h"
 #include "base/text.h"
 #include "import/import_format.h"
@@ -81,21 +82,26 @@ std::string BenchWork::freeBagName(const std::string& file) const {
 
 std::string BenchWork::receive(const std::string& name, std::shared_ptr<const std::string> content) {
   ImportFile file{0, lastPart(name), std::move(content)};
-  const TextFile readable(file.name, *file.content);  // else it is refused here
+  file.lines = TextFile(file.name, *file.content).lines().size();  // else it is refused here
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     file.number = file_.number + 1;
     file_ = file;
   }
   documents_.remove("preview");
-  documents_.put("import", jsonLine({{"number", file.number},
-                                     {"name", file.name},
-                                     {"bytes", file.content->size()},
-                                     {"lines", readable.lines().size()},
-                                     {"output", freeBagName(file.name)},
+  offerFile();
+  return file.name + " is here: " + std::to_string(file.lines) + " lines";
+}
+
+void BenchWork::offerFile() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  documents_.put("import", jsonLine({{"number", file_.number},
+                                     {"name", file_.name},
+                                     {"bytes", file_.content->size()},
+                                     {"lines", file_.lines},
+                                     {"output", freeBagName(file_.name)},
                                      {"folder", importFolder().string()},
                                      {"formats", jsonList(importFormats(), formatJson)}}));
-  return file.name + " is here: " + std::to_string(readable.lines().size()) + " lines";
 }
 
 BenchWork::ImportFile BenchWork::fileOf(const ImportWish& wish) const {
@@ -105,6 +111,16 @@ BenchWork::ImportFile BenchWork::fileOf(const ImportWish& wish) const {
     throw InputError("another file was sent meanwhile, " + file_.name +
                      "; look at that one, or send yours again");
   return file_;
+}
+
+/// @throw InputError: what the wish takes from the session in hand is not of the one that the page saw.
+void BenchWork::checkInHand(const ImportWish& wish) const {
+  const bool machine = wish.machine.empty() && wish.urdf.empty();
+  const bool artifact = wish.artifactOfSession && wish.artifact.empty();
+  const auto numbers = documents_.numbers();
+  const auto session = numbers.find("session");
+  if ((machine || artifact) && wish.session != (session == numbers.end() ? 0 : session->second))
+    throw InputError("another session was opened meanwhile; look again");
 }
 
 Machine BenchWork::machineOf(const ImportWish& wish, const Session* like) const {
@@ -141,6 +157,7 @@ ImportPreview BenchWork::read(const ImportWish& wish, const ImportFile& file, co
 std::string BenchWork::preview(const ImportWish& wish) {
   const ImportFile file = fileOf(wish);
   const std::shared_ptr<const Session> like = opened();
+  checkInHand(wish);
   const Machine machine = machineOf(wish, like.get());
   const ImportPreview found = read(wish, file, machine, like.get(), {});
   ImportRequest shown;
@@ -161,23 +178,28 @@ std::string BenchWork::preview(const ImportWish& wish) {
 std::string BenchWork::import(const ImportWish& wish) {
   const ImportFile file = fileOf(wish);
   const std::shared_ptr<const Session> like = opened();
+  checkInHand(wish);
   const Machine machine = machineOf(wish, like.get());
   const fs::path bag = bagFor(wish.output);
-  ImportPreview found =
-      read(wish, file, machine, like.get(), [this](double share) { job_.step("reading the file", share); });
+  const auto reading = [this](double share) { job_.step("reading the file", share); };
+  const ImportPreview found = [&] {
+    const CancelScope scope([this] { return job_.cancelled(); });
+    return read(wish, file, machine, like.get(), reading);
+  }();
   if (!found.faults.empty())
     throw InputError(
         found.faults.front() +
         (found.faults.size() > 1 ? " (and " + std::to_string(found.faults.size() - 1) + " more)" : ""));
   sources_.writeBag(*found.imported.session, bag, found.imported.motion,
                     [this](double share) { job_.step("writing the bag", share); });
+  offerFile();
   const UrdfOrigin origin = !wish.urdf.empty()                        ? UrdfOrigin::kSent
                             : wish.machine.empty() && like != nullptr ? origin_
                                                                       : UrdfOrigin::kThisComputer;
   try {
     return "written to " + bag.string() + "; " + openBag(bag, wish.output, origin);
   } catch (const Cancelled&) {
-    throw;
+    throw Cancelled(bag.string() + " is written; cancelled while it was opened");
   } catch (const Error& e) {
     throw InputError(bag.string() + " is written, but not opened: " + e.what());
   }

@@ -87,6 +87,7 @@ void BenchWork::take(Session session, const std::string& shownAs) {
   if (calibration_ && !kept_ && calibration_->effects.empty()) calibration_.reset();
   if (calibration_) checkMachine(*calibration_, session);
   chooseStore(session);
+  job_.step("checking the point set", 0.0);
   auto taken = std::make_shared<const Session>(std::move(session));
   {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -97,7 +98,6 @@ void BenchWork::take(Session session, const std::string& shownAs) {
   forget({"points", "compare", "diagnosis", "moves", "report", "verify"});
   shownAs_ = shownAs;
   showMachine(session_->machine);
-  job_.step("checking the point set", 0.0);
   documents_.put("session", sessionDocument(*session_, shownAs_));
   documents_.put("heat", heatDocument(*session_));
   if (calibration_) {

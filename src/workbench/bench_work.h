@@ -49,6 +49,7 @@ struct BenchOptions {
 /// How a page wants the file read that it sent. Texts of files, never their paths.
 struct ImportWish {
   std::uint64_t file = 0, asked = 0;  // number of the file; number that the page gives the preview
+  std::uint64_t session = 0;          // number of the document of the session in hand; 0: none
   std::string machine, urdf;          // a name; empty: as in hand. urdf not empty: that machine
   std::string artifact;               // YAML; empty: none, or
   bool artifactOfSession = false;     // that of the session in hand
@@ -75,7 +76,8 @@ class BenchWork {
   /// From any thread: publishes what the file would become; a file that is refused is shown with its faults.
   std::string preview(const ImportWish& wish);
   /// Writes what the file became into the folder of imported bags, and opens it. @throw InputError too: its
-  /// name is no plain one, or is taken.
+  /// name is no plain one, or is taken; what it takes from the session in hand is not of the one that was
+  /// seen.
   std::string import(const ImportWish& wish);
   /// What the machine has measured so far. @param beside with the session in hand, as moves that its
   /// diagnosis proposed.
@@ -112,11 +114,14 @@ class BenchWork {
     std::uint64_t number = 0;
     std::string name;
     std::shared_ptr<const std::string> content;
+    std::size_t lines = 0;
   };
   std::shared_ptr<const Session> opened() const;  // from any thread
   std::filesystem::path importFolder() const;
   std::filesystem::path bagFor(const std::string& output) const;
   std::string freeBagName(const std::string& file) const;
+  void offerFile();  ///< to the page, with a name for its bag
+  void checkInHand(const ImportWish& wish) const;
   ImportFile fileOf(const ImportWish& wish) const;
   Machine machineOf(const ImportWish& wish, const Session* like) const;
   ImportPreview read(const ImportWish& wish, const ImportFile& file, const Machine& machine,

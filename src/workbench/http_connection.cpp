@@ -14,6 +14,12 @@ namespace http = beast::http;
 using boost::asio::ip::tcp;
 
 const char* const kUpload = "/upload";
+
+/// What a request may bring, beside an upload, which has a place of its own.
+std::size_t largestBody(const std::string& path, const ServerOptions& options) {
+  const bool import = path == "/action/preview" || path == "/action/import";
+  return import ? options.largestImport : options.largestBody;
+}
 // What a page may do that names no policy: nothing.
 const char* const kNothing =
     "default-src 'none'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
@@ -78,9 +84,9 @@ WebAnswer HttpConnection::refusal(const Target& target) const {
   if (request.method() != http::verb::get && request.method() != http::verb::post)
     return WebAnswer::say(405, "only GET and POST are supported");
   const auto length = parser_->content_length();
-  if (length && *length > server_.options().largestBody && target.path != kUpload)
-    return WebAnswer::say(413, "the request's body has more than " +
-                                   std::to_string(server_.options().largestBody >> 10) + " KB");
+  const std::size_t most = largestBody(target.path, server_.options());
+  if (length && *length > most && target.path != kUpload)
+    return WebAnswer::say(413, "the request's body has more than " + std::to_string(most >> 10) + " KB");
   return WebAnswer();
 }
 
@@ -107,7 +113,7 @@ void HttpConnection::readBody(const Target& target) {
     if (!upload_)
       return turnAway(409, "another file is being sent; send this one again after it has arrived");
   } else {
-    parser_->body_limit(server_.options().largestBody);
+    parser_->body_limit(largestBody(target.path, server_.options()));
   }
   stream_.expires_after(server_.options().bodyTime);
   auto self = shared_from_this();

@@ -11,10 +11,12 @@ namespace mm {
 
 struct ServerOptions {
   std::string address = "127.0.0.1";
-  unsigned port = 0;               // 0: any that is free
-  std::string token;               // empty: a new one
-  std::vector<std::string> hosts;  // further names under which it is reached
-  std::size_t largestBody = 64 << 10, largestUpload = 256 << 20, largestHeader = 8 << 10;  // bytes
+  unsigned port = 0;                      // 0: any that is free
+  std::string token;                      // empty: a new one
+  std::vector<std::string> hosts;         // further names under which it is reached
+  std::size_t largestBody = 64 << 10;     // bytes
+  std::size_t largestImport = 256 << 10;  // of a preview or an import, which bring a URDF and an artifact
+  std::size_t largestUpload = 256 << 20, largestHeader = 8 << 10;  // bytes
   std::size_t mostConnections = 256, mostWaiting = 128, mostSockets = 24;
   std::chrono::milliseconds undisturbed{500};   // before one that has not shown the token gives way
   double requestsASecond = 1000.0;              // of all clients that showed the token

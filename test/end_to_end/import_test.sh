@@ -45,7 +45,14 @@ printf 'Zeit;Pos;feature\n0;1,5;b0\n' >foreign.csv
 refused 'what cannot be known' "columns: {Pos: " import foreign.csv --artifact plate.yaml --machine three_axis -o s.bag
 check 'what was understood is shown all the same' grep -q 'ball or point touched' out
 check 'a note names its remedy, in letters' sh -c "grep -q 'columns: {Zeit: time_ms}' out && ! grep -qP '[\x01-\x08]' out err"
+printf 'Zeit [s];X [mm];\033[31mred;Abweichung X [um]\n0;1;\033]0;t\007;2\n1;2;3;\033c\n' >steers.csv
+"$mm" import steers.csv --machine three_axis --preview >out 2>err
+check 'what steers a terminal: status 2' [ $? -eq 2 ]
+check 'what steers a terminal: is not printed' sh -c "grep -q 'red' out && ! grep -qP '[\x01-\x08\x0b-\x1f\x7f]' out err"
+awk 'BEGIN { for (i = 0; i < 100000; ++i) printf "%sn%d", i ? "," : "", i; print ""; for (i = 0; i < 100000; ++i) printf "%s1.5", i ? "," : ""; print "" }' >wide.csv
+refused 'a wide file' 'wide.csv:1: 100000 columns, at most 2000' import wide.csv --machine three_axis -o s.bag
 printf 'Zeit;Pos;x\n0;1,5;2\n' >foreign.csv
+refused 'a preview that should write' 'omit -o' import foreign.csv --machine three_axis --preview -o s.bag
 refused 'NaN' "nan.csv:2: .*'x_mm'" import nan.csv --artifact plate.yaml --machine three_axis -o s.bag
 refused 'empty session' 'empty.csv' import empty.csv --artifact plate.yaml --machine three_axis -o s.bag
 refused 'missing artifact' '--artifact' import good.csv --machine three_axis -o s.bag

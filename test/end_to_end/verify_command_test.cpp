@@ -125,6 +125,9 @@ TEST_F(VerifyCommandTest, aBlindTrialIsPlannedMeasuredAndOpened) {
   const Answer fresh = mmRun(folder_, "verify " + fresh_ + two + " --blind " + key);
   EXPECT_EQ(fresh.status, 2);
   EXPECT_NE(fresh.error.find("no block of a blind trial"), std::string::npos) << fresh.error;
+  EXPECT_EQ(fresh.error.find("none of its points is fresh"), std::string::npos) << fresh.error;
+  const Answer stale = mmRun(folder_, "verify " + bag_ + two + " --blind " + key);
+  EXPECT_NE(stale.error.find("none of its points is fresh"), std::string::npos) << stale.error;
 }
 
 }  // namespace

@@ -256,6 +256,26 @@ def keys(browser):
         check("key %s: %s" % (key, view), browser.wait("document.querySelector('main').getAttribute('aria-label') === %s" % json.dumps(view)))
 
 
+def others(browser, bench):
+    """Another page's preview stands in the place of this one's: what was seen stays, what was not is asked for again."""
+    module = "import('/t/%s/app/server.js')" % urllib.parse.parse_qs(urllib.parse.urlparse(bench.url).query)["token"][0]
+    other = "%s.then((m) => m.act('preview', { file: 1, asked: 1, machine: 'five_axis' }))" % module
+    tables = "document.querySelectorAll('main table').length === 2 && !document.querySelector('button.primary').disabled"
+    browser.evaluate(other + ".then((end) => { window.looked = end.ok; }), true")
+    browser.wait("window.looked")
+    browser.evaluate("location.hash = 'history', true")
+    browser.wait("!document.getElementById('import-machine')")
+    browser.evaluate("location.hash = 'import', true")
+    check("who comes back sees his file again", browser.wait(tables))
+    browser.evaluate("""(() => { const real = window.fetch; let done = false;
+        window.fetch = async (path, how) => { if (String(path).startsWith("/data/preview") && !done) { done = true; await %s; } return real(path, how); }; return true; })()""" % other)
+    browser.evaluate("""(() => { const s = document.getElementById("import-compensation"); s.value = "none"; s.dispatchEvent(new Event("change", { bubbles: true })); return true; })()""")
+    browser.wait("[...document.querySelectorAll('main .warning')].some((w) => w.innerText.includes('another page looks at this file'))")
+    check("what was not seen is not imported", browser.evaluate("document.querySelector('button.primary').disabled"))
+    browser.click("Look again")
+    check("looked again", browser.wait(tables))
+
+
 def imported(folder):
     """A file is dropped where no session is open: what was understood is shown, a question is answered, the bag is written and opened."""
     work = os.path.join(folder, "imported")
@@ -263,7 +283,7 @@ def imported(folder):
     bench = Workbench("--store", os.path.join(folder, "store_imported"), cwd=work)
     drop = """(() => { const d = new DataTransfer(); d.items.add(new File([%s], %s));
         dispatchEvent(new DragEvent("drop", { dataTransfer: d, bubbles: true, cancelable: true })); return true; })()"""
-    change = """(() => { const s = document.getElementById(%s); s.value = %s; s.dispatchEvent(new Event("change", { bubbles: true })); return true; })()"""
+    change = """(() => { const s = document.getElementById(%s); s.focus(); s.value = %s; s.dispatchEvent(new Event("change", { bubbles: true })); return true; })()"""
     try:
         with Browser() as browser:
             browser.open(bench.url)
@@ -279,6 +299,8 @@ def imported(folder):
             rows = browser.wait("""(() => { const t = [...document.querySelectorAll('main table')]; return t.length === 2 && !document.querySelector('button.primary').disabled &&
                                  t.map((x) => x.innerText); })()""")
             check("each column is shown as it was understood", "run 1, upwards\tµm" in rows[0] and "-18,000" in rows[1], rows)
+            check("the one who answered is where he was", browser.evaluate("document.activeElement.id") == "ask-unit-", browser.evaluate("document.activeElement.outerHTML.slice(0, 80)"))
+            others(browser, bench)
             check("nothing is written before it is wanted", os.listdir(work) == [], os.listdir(work))
             browser.click("Import", "document.querySelector('#import-output').closest('section')")
             opened = browser.wait("location.hash === '#session' && document.querySelector('.opened').innerText.startsWith('x.bag') && document.querySelector('.opened').innerText")

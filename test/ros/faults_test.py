@@ -318,7 +318,7 @@ class Faults(unittest.TestCase):
         first = service("calibrate", Calibrate, bag=self.bag, method="least_squares", model=support.model("{type: scale, axis: x}", "{type: scale, axis: y}"))
         self.assertTrue(first.success, first.message)
         self.assertRegex(first.message, r"RMS [0-9.]+ um -> [0-9.]+ um, held out [0-9.]+ um; repeatability ")
-        self.assertIn('next: rosservice call /calibration_server/diagnose "{bag: \'%s\'}"' % self.bag, first.message)
+        self.assertIn("next: rosservice call /calibration_server/diagnose '{bag: %s}'" % self.bag, first.message)
         compared = service("compare", Compare, bag=self.bag)
         self.assertTrue(compared.success, compared.message)
         self.assertRegex(compared.message, r"RMS [0-9.]+ um -> [0-9.]+ um")

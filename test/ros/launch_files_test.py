@@ -79,11 +79,12 @@ class LaunchFiles(unittest.TestCase):
                 self.assertAlmostEqual(config.params["/robot_state_publisher/publish_frequency"].value, rate, msg=(name, given))
 
     def test_nodes_know_whether_they_are_started_again(self):
-        for name, given in (("instrument", {}), ("workbench", {}), ("workbench", {"instrument": "false"}), ("replay", {})):
+        for name, given in (("instrument", {}), ("workbench", {}), ("workbench", {"instrument": "false"}), ("replay", {}), ("demo", {})):
             config = read(os.path.join(support.PACKAGE, "launch", name + ".launch"), **given)
-            self.assertIs(config.params["/respawn"].value, True, name)
-        demo = read(os.path.join(support.PACKAGE, "launch/demo.launch"))
-        self.assertIs(demo.params["/respawn"].value, False)
+            for node in config.nodes:
+                if node.package == "measuring_machine":
+                    self.assertEqual(dict(node.env_args).get("MM_RESPAWN", "false") == "true", bool(node.respawn), (name, node.name))
+            self.assertNotIn("/respawn", config.params, "it would outlive the launch")
 
     def test_roslaunch_check(self):
         for file in FILES:

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """A session that was recorded, played again through the nodes: the same calibration as by mm, to the bit; in a loop."""
+import json
 import os
 import re
 import subprocess
@@ -27,9 +28,9 @@ class Replay(unittest.TestCase):
     def tearDownClass(cls):
         support.remove(cls.folder)
 
-    def start(self, *arguments):
+    def start(self, *arguments, bag=None):
         port = support.free_port()
-        replay = support.launch(port, "replay.launch", "bag:=" + self.bag, "store:=" + os.path.join(self.folder, "calibrations"),
+        replay = support.launch(port, "replay.launch", "bag:=" + (bag or self.bag), "store:=" + os.path.join(self.folder, "calibrations"),
                                 *arguments)
         self.addCleanup(support.stop, replay)
         return port, support.Output(replay)
@@ -39,6 +40,20 @@ class Replay(unittest.TestCase):
         self.assertTrue(said.says("has been played", 60), str(said))
         found, message = support.calibrate_live(port, MODEL)
         self.assertEqual(support.figures(found), support.figures(self.by_mm), message)
+
+    def test_4_a_file_without_times(self):
+        """Neither its rows' times nor its directions of travel are those that the joint states seem to have."""
+        bag, model, calibration = [os.path.join(self.folder, name) for name in ("untimed.bag", "backlash.yaml", "untimed.yaml")]
+        support.mm("import", os.path.join(support.PACKAGE, "examples/import/iso230_2_x.csv"), "--machine", "three_axis", "-o", bag)
+        with open(model, "w") as f:
+            f.write(support.model("{type: backlash, axis: x}"))
+        calibrated = support.mm("calibrate", bag, "--model", model, "--seed", "1", "--json", "-o", calibration)
+        port, said = self.start("rate:=25", bag=bag)
+        self.assertTrue(said.says("has been played", 60), str(said))
+        found, message = support.calibrate_live(port, model)
+        self.assertEqual(support.figures(found), support.figures(calibrated), message)
+        found, message = support.diagnose_live(port, calibration)
+        self.assertEqual(json.loads(found), json.loads(support.mm("diagnose", bag, "--calibration", calibration, "--json")), message)
 
     def test_3_a_bag_that_is_not_there_ends_the_launch(self):
         missing = os.path.join(self.folder, "none.bag")

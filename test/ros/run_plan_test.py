@@ -22,10 +22,10 @@ class RunPlan(unittest.TestCase):
         self.heard = rospy.Subscriber("probe/contact", ProbeContact, self.contacts.append, queue_size=None)
         self.addCleanup(self.heard.unregister)
 
-    def plan(self, more):
+    def plan(self, more, points=8):
         path = os.path.join(self.folder, "plan.yaml")
         with open(SHORT) as short, open(path, "w") as f:
-            f.write(short.read() + more)
+            f.write(short.read().replace("points: 8", "points: %d" % points) + more)
         return path
 
     def start(self, *arguments):
@@ -46,14 +46,20 @@ class RunPlan(unittest.TestCase):
         self.assertEqual(process.wait(20), 0)
 
     def test_2_ctrl_c_cancels(self):
-        process, said = self.start(self.plan(""))
+        process, said = self.start(self.plan("", points=200))
         self.assertTrue(support.wait_until(lambda: len(self.contacts) >= 2, 60))
         process.send_signal(signal.SIGINT)
         self.assertTrue(said.says("cancelled before move", 60), str(said))
         self.assertTrue(said.says("--first", 10), "how to go on")
         self.assertEqual(process.wait(20), 1)
 
-    def test_3_what_cannot_begin(self):
+    def test_3_the_end_of_the_terminal_cancels(self):
+        process, _ = self.start(self.plan("", points=200))
+        self.assertTrue(support.wait_until(lambda: len(self.contacts) >= 2, 60))
+        process.send_signal(signal.SIGHUP)
+        self.assertEqual(process.wait(60), 1, "it waited for the end of the plan")
+
+    def test_4_what_cannot_begin(self):
         for arguments, words in ((["none.yaml"], "no such file"), ([self.plan("speeed: 3\n")], "speeed"), ([SHORT, "--first", "99"], "moves 0 to")):
             process, said = self.start(*arguments)
             self.assertTrue(said.says(words, 60), str(said))

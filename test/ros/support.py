@@ -168,6 +168,16 @@ def calibrate_live(port, model_file, namespace="/"):
     return done.stdout or "{}", done.stderr
 
 
+def diagnose_live(port, calibration_file):
+    """What the calibration server under that master misses in its live session: (JSON, message)."""
+    script = ("import sys; import rospy; from measuring_machine.srv import Diagnose;"
+              "a = rospy.ServiceProxy('calibration_server/diagnose', Diagnose)(calibration=sys.argv[1]);"
+              "sys.stderr.write(a.message); print(a.json)")
+    done = subprocess.run(["python3", "-c", script, calibration_file], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                          env=environment(port), timeout=60)
+    return done.stdout or "{}", done.stderr
+
+
 def folder():
     return tempfile.mkdtemp(prefix="mm_rostest_")
 

@@ -2,11 +2,11 @@
 
 import { h } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
-import { act, upload, useDocument } from "./server.js";
+import { act, isLatest, upload, useDocument, useNumber } from "./server.js";
 import { Action, Choice, Empty, Section, Table } from "./parts.js";
 
 const kFiles = ".bag,.csv,.tsv,.txt,.log,.dat,.asc,.tpt,.cfg";
-const kLargestText = 50000; // letters of an artifact or a URDF: the request holds both
+const kLargestText = 50000; // bytes of an artifact or a URDF: the request holds both
 const kShipped = ["three_axis", "five_axis"];
 
 const say = (detail) => dispatchEvent(new CustomEvent("mm-said", { detail }));
@@ -22,23 +22,30 @@ export async function sendFile(file) {
 const Picker = ({ label, accept, take }) => h("label", { class: "button" }, label, h("input", { type: "file", accept, class: "hidden", onChange: (e) => { if (e.target.files[0]) take(e.target.files[0]); e.target.value = ""; } }));
 export const FilePicker = ({ label }) => h(Picker, { label, accept: kFiles, take: sendFile });
 
-const kNothingSaid = { columns: {}, settings: {}, more: "", output: "", format: "" };
+const kNothingSaid = { columns: {}, settings: {}, questions: {}, more: "", output: "", format: "" };
 let kept = Object.assign({ number: 0, machine: "", urdf: "", artifact: "", artifactName: "", artifactFrom: "", compensation: "" }, kNothingSaid);
-let asked = Math.floor(Math.random() * 1e9); // number of a look, which another page hardly has
 
 const oneLine = (text) => text.replace(/[\r\n]+/g, " ");
 /** The answers as the mapping of `mm import`. */
 function mappingOf(wish) {
   const columns = Object.entries(wish.columns).filter(([, as]) => as).map(([name, as]) => JSON.stringify(name) + ": " + JSON.stringify(as));
-  return Object.entries(wish.settings).filter(([, s]) => s.value.trim()).map(([key, s]) => key + ": " + oneLine(s.value) + "\n").join("")
+  return Object.entries(wish.settings).filter(([, value]) => value.trim()).map(([key, value]) => key + ": " + oneLine(value) + "\n").join("")
     + (columns.length ? "columns: {" + columns.join(", ") + "}\n" : "") + wish.more;
 }
-const bodyOf = (wish) => ({ file: wish.number, machine: wish.machine, urdf: wish.urdf, artifact: wish.artifact, artifact_from: wish.artifactFrom, mapping: mappingOf(wish), format: wish.format, compensation: wish.compensation });
+/** What is asked for. @param session number of the one whose machine and artifact may be taken. */
+const bodyOf = (wish, session) => ({ file: wish.number, session, machine: wish.machine, urdf: wish.urdf, artifact: wish.artifact, artifact_from: wish.artifactFrom, mapping: mappingOf(wish), format: wish.format, compensation: wish.compensation });
 
-/** Asks for a preview whenever what is wished is another one; for one at a time. @return what was refused, and the number of the look. */
-function useLook(wish) {
-  const [refused, setRefused] = useState(""), [number, setNumber] = useState(0), wanted = useRef(null), busy = useRef(false);
-  const body = JSON.stringify(bodyOf(wish));
+/** A number of a text: pages that wish the same share a preview. */
+function numberOf(text) {
+  let number = 2166136261; // FNV-1a
+  for (let i = 0; i < text.length; i += 1) number = Math.imul(number ^ text.charCodeAt(i), 16777619);
+  return (number >>> 0) + 1;
+}
+
+/** Asks for a preview whenever what is wished is another one; for one at a time. @return what is wished, its number, how the look at it ended (null: it has not), and to look once more. */
+function useLook(wish, session) {
+  const [last, setLast] = useState(null), [turn, setTurn] = useState(0), wanted = useRef(null), busy = useRef(false);
+  const body = JSON.stringify(bodyOf(wish, session));
   useEffect(() => {
     if (!wish.number) return;
     wanted.current = body;
@@ -46,22 +53,21 @@ function useLook(wish) {
       if (busy.current) return;
       busy.current = true;
       while (wanted.current) {
-        const now = JSON.parse(wanted.current), look = (asked += 1);
+        const now = wanted.current;
         wanted.current = null;
-        const end = await act("preview", Object.assign({ asked: look }, now));
-        setRefused(end.ok ? "" : end.message);
-        setNumber(look);
+        const end = await act("preview", Object.assign({ asked: numberOf(now) }, JSON.parse(now)));
+        setLast({ body: now, ok: end.ok, message: end.message });
       }
       busy.current = false;
     })();
-  }, [body]);
-  return [refused, number];
+  }, [body, turn]);
+  return { body, number: numberOf(body), end: last && last.body === body ? last : null, again: () => { setLast(null); setTurn((n) => n + 1); } };
 }
 
 /** A machine or an artifact as a file of this person: its text is sent. */
 async function textOf(file, use) {
   const text = await file.text();
-  if (text.length > kLargestText) say({ ok: false, message: file.name + " has more than " + kLargestText + " letters; use mm import" });
+  if (file.size > kLargestText) say({ ok: false, message: file.name + " has more than " + kLargestText / 1000 + " KB; use mm import" });
   else use(text, file.name);
 }
 
@@ -79,19 +85,20 @@ function Settings({ wish, change, file }) {
     h(Choice, { id: "import-compensation", label: "The controller compensated", value: wish.compensation, options: [["", "not stated"], ["none", "nothing"]], onChange: (v) => change({ compensation: v }) }));
 }
 
-/** What the file does not say, as questions with choices; what was answered stays to be taken back. */
+const idOf = (q) => "ask-" + q.key + "-" + (q.column || "");
+const answerTo = (wish, q) => (q.column ? wish.columns[q.column] : wish.settings[q.key]) || "";
+
+/** What the file does not say, as questions with choices; what was answered stays where it was, to be taken back. */
 function Questions({ wish, change, preview }) {
-  const answer = (q, value) => (q.key === "columns" ? change({ columns: Object.assign({}, wish.columns, { [q.column]: value }) })
-    : change({ settings: Object.assign({}, wish.settings, { [q.key]: { value, choices: q.choices, suggested: q.suggested } }) }));
-  const answered = Object.entries(wish.settings).filter(([key, s]) => s.value && !preview.asked.some((q) => q.key === key)).map(([key, s]) => Object.assign({ key, column: null }, s));
-  const all = [...preview.asked.filter((q) => q.key !== "columns" || q.column), ...answered];
-  if (!all.length && !preview.faults.length) return null;
+  const open = Object.fromEntries(preview.asked.map((q) => [idOf(q), q]));
+  const all = Object.values(Object.assign({}, wish.questions, open)).filter((q) => open[idOf(q)] || answerTo(wish, q));
+  const answer = (q, value) => change(Object.assign({ questions: Object.fromEntries(all.map((one) => [idOf(one), one])) },
+    q.column ? { columns: Object.assign({}, wish.columns, { [q.column]: value }) } : { settings: Object.assign({}, wish.settings, { [q.key]: value }) }));
   const wordsOf = (value) => (preview.column_choices.find((c) => c.value === value) || { words: value }).words;
-  return h(Section, { title: preview.faults.length ? "What is missing" : "What was answered", lead: preview.faults.length ? "Without an answer to these, or a corrected file, it is not imported." : null },
-    preview.faults.map((f) => h("p", { class: "warning", key: f }, f)),
+  return h(Section, { title: "What is missing", lead: preview.faults.length ? "Without an answer to these, or a corrected file, it is not imported." : null },
+    h("div", { "aria-live": "polite" }, preview.faults.length ? preview.faults.map((f) => h("p", { class: "warning", key: f }, f)) : h("p", { class: "note" }, "Nothing.")),
     all.length ? h("div", { class: "controls" }, all.map((q) => {
-      const id = "ask-" + q.key + "-" + (q.column || ""), label = q.column ? "Column " + q.column : said(q.key.replace(/_/g, " "));
-      const value = q.column ? wish.columns[q.column] || "" : (wish.settings[q.key] || { value: "" }).value;
+      const id = idOf(q), label = q.column ? "Column " + q.column : said(q.key.replace(/_/g, " ")), value = answerTo(wish, q);
       const choices = value && !q.choices.includes(value) ? [value, ...q.choices] : q.choices;
       return q.choices.length ? h(Choice, { key: id, id, label, value, options: [["", "choose …"], ...choices.map((c) => [c, q.column ? said(wordsOf(c)) : c])], onChange: (v) => answer(q, v) })
         : h("label", { class: "choice", for: id, key: id }, h("span", null, label), h("input", { id, value, placeholder: "e.g. " + q.suggested, maxlength: 60, onChange: (e) => answer(q, e.target.value) }));
@@ -118,10 +125,11 @@ function Columns({ preview, wish, change }) {
       : h("figure", null, h("pre", { class: "lines", tabindex: 0, "aria-label": "First lines of the file" }, preview.head.join("\n")), h("figcaption", null, "First lines of the file.")));
 }
 
-function Done({ preview, wish, change, file }) {
+function Done({ preview, looked, wish, change, file }) {
   const output = wish.output || file.output, doubts = preview.questions;
   const run = async () => {
-    const end = await act("import", Object.assign(bodyOf(wish), { output }));
+    const end = await act("import", Object.assign(JSON.parse(looked), { output }));
+    if (end.ok) change({ output: "" });
     if (!end.ok || location.hash === "#session") return end;
     addEventListener("hashchange", () => say(end), { once: true });
     location.hash = "session";
@@ -133,7 +141,7 @@ function Done({ preview, wish, change, file }) {
     preview.remarks.length ? h("ul", { class: "plain note" }, preview.remarks.map((r) => h("li", { key: r }, said(r)))) : null,
     h("p", { class: "controls" },
       h("label", { class: "choice grow", for: "import-output" }, h("span", null, "Bag in " + file.folder), h("input", { id: "import-output", value: output, maxlength: 110, spellcheck: false, onChange: (e) => change({ output: e.target.value }) })),
-      h(Action, { label: "Import", kind: "primary", disabled: !!preview.faults.length, title: preview.faults.length ? "it cannot be imported yet" : "writes the bag and opens it", confirm: doubts.length ? "It is as it should be: import" : null, run })));
+      h(Action, { key: looked, label: "Import", kind: "primary", disabled: !looked || !!preview.faults.length, title: looked && !preview.faults.length ? "writes the bag and opens it" : "it cannot be imported yet", confirm: doubts.length ? "It is as it should be: import" : null, run })));
 }
 
 export function ImportView() {
@@ -141,14 +149,17 @@ export function ImportView() {
   const [wish, set] = useState(kept);
   const change = (more) => { kept = Object.assign({}, kept, more); set(kept); };
   useEffect(() => { if (file && file.number !== kept.number) change(Object.assign({ number: file.number }, kNothingSaid)); }, [file && file.number]);
-  const [refused, number] = useLook(wish);
+  const look = useLook(wish, useNumber("session")), last = useRef(null);
   if (!file) return h("div", null, h(Section, { title: "Import", action: h(FilePicker, { label: "Choose a file …" }), lead: "A table of measurements or an instrument's file becomes a session: ISO 230-2, ball bar, R-test, step gauge, tracker, contacts, pointing of a telescope, bed probing of a printer. Choose one, or drop it onto the page; a bag is opened at once." }),
     h(Empty, null, "No file was chosen yet. What was understood of it is shown here before anything is written."));
-  const preview = found && found.asked_by === number ? found : null;
+  if (found && found.asked_by === look.number) last.current = found;
+  const preview = last.current && last.current.number === wish.number ? last.current : null; // the last stays until the next is here
+  const own = !!preview && preview.asked_by === look.number, { end } = look, refused = !!end && !end.ok;
+  const why = refused ? said(end.message) : end && !own && isLatest("preview") ? "another page looks at this file" : "";
   return h("div", null,
     h(Section, { title: "Import", action: h(FilePicker, { label: "Another file …" }), lead: file.name + ", " + file.lines + " lines" + (preview && preview.format ? ": " + preview.format + (preview.how ? ", " + preview.how : "") : "") + "." },
-      h(Settings, { wish, change, file }), refused ? h("p", { class: "warning", role: "alert" }, said(refused)) : null),
-    preview ? h("div", null, h(Questions, { wish, change, preview }), h(Columns, { preview, wish, change }),
+      h(Settings, { wish, change, file }), why ? h("p", { class: "warning", role: "alert" }, why, " ", h("button", { onClick: look.again }, "Look again")) : null),
+    preview ? h("div", { "aria-busy": !own && !why }, h(Questions, { wish, change, preview }), h(Columns, { preview, wish, change }),
       h("details", null, h("summary", null, "More lines for the mapping"), h("label", { class: "choice column", for: "import-more" }, h("span", null, "YAML as of --columns: features, fixed, header_line …"), h("textarea", { id: "import-more", rows: 4, maxlength: 8000, spellcheck: false, value: wish.more, onChange: (e) => change({ more: e.target.value }) }))),
-      h(Done, { preview, wish, change, file })) : refused ? null : h(Empty, null, "…"));
+      h(Done, { preview, looked: own && end && end.ok ? look.body : "", wish, change, file })) : why ? null : h(Empty, null, "…"));
 }

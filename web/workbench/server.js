@@ -72,6 +72,9 @@ export function useNumber(name) {
   return state.live ? state.live.documents[name] || 0 : 0;
 }
 
+/** Whether the latest of a document that is read here has come. */
+export const isLatest = (name) => { const entry = documents.get(name); return !!entry && !!state.live && entry.number === (state.live.documents[name] || 0); };
+
 /** Address of a document to open or keep. */
 export const documentAddress = (name) => address("/data/" + name);
 export const downloadAddress = (name) => address("/download/" + name);

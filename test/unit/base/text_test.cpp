@@ -34,5 +34,20 @@ TEST(Text, JoinedPutsTheMarkBetweenAlsoOfEmptyWords) {
   EXPECT_EQ(joined({}, ", "), "");
 }
 
+TEST(Text, WhatSteersATerminalIsReplaced) {
+  EXPECT_EQ(printableText("a\x1b[1mb\x7f\tc\nd"), "a\uFFFD[1mb\uFFFD c d");
+  EXPECT_EQ(printableText("a\nb\r\n", true), "a\nb \n");
+  EXPECT_EQ(printableText("\xC2\x9B\xC2\xB5m \xC2"), "\uFFFDµm \xC2") << "C1 as UTF-8 writes it; micro stays";
+  EXPECT_EQ(printableText(std::string_view("\0x", 2)), "\uFFFDx");
+}
+
+TEST(Text, ALongTextIsShownByItsFirstLetters) {
+  std::string umlauts;
+  for (int i = 0; i < 120; ++i) umlauts += "ä";
+  EXPECT_EQ(shownText(umlauts), umlauts);
+  EXPECT_EQ(shownText(umlauts + "b"), umlauts + "…");
+  EXPECT_EQ(shownText("a\x1b"), "a\uFFFD");
+}
+
 }  // namespace
 }  // namespace mm

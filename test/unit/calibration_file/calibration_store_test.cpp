@@ -59,6 +59,8 @@ TEST_F(Store, NothingLeadsBackToWhatWasNeverActive) {
     EXPECT_NE(std::string(e.what()).find("was never active"), std::string::npos) << e.what();
   }
   EXPECT_EQ(store_.linked("active"), active);
+  fs::remove(folder_ / "promotions");  // as of a folder whose record was lost
+  EXPECT_EQ(store_.rollback(active), active);
 }
 
 TEST_F(Store, keepsPromotesAndRollsBack) {

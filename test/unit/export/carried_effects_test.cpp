@@ -6,6 +6,7 @@
 #include <map>
 
 #include "base/format.h"
+#include "compensation/compensator.h"
 #include "compensation_support.h"
 #include "export/export_target.h"
 #include "export/representability.h"
@@ -77,6 +78,29 @@ const std::map<std::string, std::string>& documented() {
 }
 
 constexpr double kNotWorse = 1.002;  // 512 places tell a root mean square no better
+
+// A time constant is known to 4 times its value: with as much less of it there is no model.
+TEST(NeededCorrection, IsAsUncertainAsACorrectionThatIsApplied) {
+  Calibration c = calibrationWith({{"warm-up",
+                                    EffectSpec("warm_up").set("direction", "z"),
+                                    {{"amplitude", 5e-6}, {"time_constant", 300.0}}},
+                                   {"scale", EffectSpec("scale").set("axis", "x"), {{"scale", 1e-4}}}});
+  const Eigen::Vector3d std(1e-6, 1200.0, 2e-5);
+  c.covariance = std.cwiseAbs2().asDiagonal();
+  c.covariance(0, 1) = c.covariance(1, 0) = 0.5 * std[0] * std[1];
+  const NeededCorrection needed(c, {});
+  const Compensator compensator(c);
+  const std::vector<State> states = needed.states(8, 1);
+  const Eigen::MatrixXd by = needed.uncertain(states);
+  for (std::size_t n = 0; n < states.size(); ++n) {
+    State state = states[n];
+    compensator.model().place(state);
+    const Eigen::Matrix3d applied = compensator.apply(state).covariance;
+    const auto g = by.middleRows<3>(3 * static_cast<Eigen::Index>(n));
+    EXPECT_GT(applied.trace(), 0.0);
+    EXPECT_LT((g * g.transpose() - applied).norm(), 1e-9 * applied.norm()) << n;
+  }
+}
 
 class EachTarget : public testing::TestWithParam<std::string> {};
 

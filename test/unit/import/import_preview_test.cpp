@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "base/cancel_scope.h"
+#include "base/text.h"
 #include "import_support.h"
 
 namespace mm {
@@ -206,13 +208,93 @@ TEST(ImportPreview, EveryChoiceOfAColumnIsUnderstood) {
         previewOfText("q;w\n1;2\n2;3\n", "columns: {q: " + c.value + ", w: ignore}\n", "five_axis");
     for (const std::string& fault : preview.faults)
       EXPECT_THAT(fault, Not(HasSubstr("is not understood"))) << c.value;
+    ASSERT_THAT(preview.imported.columns, Not(IsEmpty())) << c.value;
+    const UnderstoodColumn& q = preview.imported.columns[0];
+    if (c.value == "ignore") {
+      EXPECT_EQ(q.meaning, "ignored by the mapping");
+      continue;
+    }
+    const std::string meant = q.meaning.substr(0, q.meaning.find(','));
+    if (startsWith(c.value, "error_"))  // the same quantity with its sign changed
+      EXPECT_EQ("error" + meant.substr(meant.find(" of ")), c.words.substr(0, c.words.find(','))) << c.value;
+    else
+      EXPECT_EQ(meant, c.words.substr(0, c.words.find(','))) << c.value;
+    if (!q.unit.empty()) {
+      EXPECT_TRUE(endsWith(c.words, ", " + q.unit)) << c.words;
+    }
   }
 }
 
 TEST(ImportPreview, AFileWithoutEndIsShownByItsBeginning) {
   const std::string text = std::string(100000, 'a') + "\n" + std::string(100000, 'b') + "\n";
   const ImportPreview preview = previewOfText(text);
-  for (const std::string& line : preview.imported.head) EXPECT_LT(line.size(), 1000u);
+  ASSERT_THAT(preview.imported.head, SizeIs(2));
+  for (const std::string& line : preview.imported.head) EXPECT_EQ(line, std::string(120, line[0]) + "…");
+}
+
+TEST(ImportPreview, ALongNameAndALongCellAreCut) {
+  std::string name, cell;
+  for (int i = 0; i < 5000; ++i) name += "ä", cell += "é";
+  const auto bounded = [](const ImportPreview& preview) {
+    ASSERT_THAT(preview.faults, Not(IsEmpty()));
+    EXPECT_LT(previewText(preview).size() + firstRowsText(preview.imported).size(), 6000u);
+    EXPECT_LT(jsonLine(previewJson({}, preview, "")).size(), 12000u) << "or it is cut within a letter";
+    for (const std::string& fault : preview.faults) EXPECT_LT(fault.size(), 2000u) << fault;
+  };
+  bounded(previewOfText("Zeit [s];X [mm];" + name + "\n0;1;2\n1;2;3\n"));
+  bounded(previewOfText("Zeit [s];X [mm];Abweichung X [um]\n0;1;2\n1;2;" + cell + "\n"));
+  bounded(previewOfText("time_s,x_mm,deviation_x_um\n0,1," + cell + "\n"));
+  bounded(previewOfText("time_s,x_mm," + name + "_V\n0,1,2\n"));
+}
+
+TEST(ImportPreview, WhatSteersATerminalIsNotShown) {
+  const std::string text =
+      "Zeit [s];X [mm];\x1b[31mred;Abweichung X [um]\n0;1;2;\x1b]0;t\x07\n1;2;3;4\n2;3;\xC2\x9B"
+      "1;5\n";
+  const ImportPreview preview = previewOfText(text);
+  ASSERT_THAT(preview.faults, Not(IsEmpty()));
+  std::string all = previewText(preview) + firstRowsText(preview.imported);
+  for (const std::string& fault : preview.faults) all += fault;
+  EXPECT_EQ(all.find_first_of("\x1b\x07\x7f"), std::string::npos) << all;
+  EXPECT_EQ(all.find("\xC2\x9B"), std::string::npos) << all;
+  EXPECT_THAT(all, HasSubstr("\uFFFD[31mred"));
+  EXPECT_THAT(all, HasSubstr("columns: {3: ignore}"))
+      << "a name that cannot be typed is called by its number";
+}
+
+TEST(ImportPreview, AWideFileIsRefusedAtOnce) {
+  const auto file = [](std::size_t columns, const std::string& ending) {
+    std::string names, row;
+    for (std::size_t i = 0; i < columns; ++i) {
+      names += (i > 0 ? ",n" : "n") + std::to_string(i) + ending;
+      row += i > 0 ? ",1.5" : "1.5";
+    }
+    return "# a remark\n" + names + "\n" + row + "\n" + row + "\n";
+  };
+  EXPECT_THAT(previewOfText(file(100000, "")).faults,
+              ElementsAre(HasSubstr("sent.csv:2: 100000 columns, at most 2000")));
+  const ImportPreview most = previewOfText(file(2000, ""));
+  EXPECT_THAT(most.imported.columns, SizeIs(2000));
+  EXPECT_THAT(most.faults, SizeIs(FaultList::kShown + 1));
+  EXPECT_THAT(previewOfText("time_s,x_mm,deviation_x_um," + file(3000, "_V").substr(11)).faults,
+              ElementsAre(HasSubstr("sent.csv:1: 3003 columns, at most 2000")));
+}
+
+TEST(ImportPreview, EndsWhereItIsCancelled) {
+  int asked = 0;
+  const CancelScope scope([&] { return ++asked > 3; });
+  EXPECT_THROW(previewOfText("Zeit [s];X [mm];Abweichung X [um]\n0;1;2\n1;2;3\n2;3;4\n3;4;5\n"), Cancelled);
+}
+
+TEST(ImportPreview, ANameWithQuotesAnswersItsQuestion) {
+  const std::string text = "Zeit [s];X [mm];Error X' {a}: [um]\n0;1;1,5\n1;2;2,5\n";
+  const ImportPreview preview = previewOfText(text);
+  ASSERT_THAT(preview.asked, SizeIs(1));
+  EXPECT_EQ(preview.asked[0].column, "Error X' {a}: [um]");
+  ASSERT_THAT(preview.faults, SizeIs(1));
+  const std::string line = preview.faults[0].substr(preview.faults[0].find("columns: {"));
+  EXPECT_THAT(previewOfText(text, line.substr(0, line.find(" for the first")) + "\n").faults, IsEmpty())
+      << line;
 }
 
 }  // namespace

@@ -110,6 +110,81 @@ TEST(PlanTests, ASizeThatATestDoesNotHaveIsRefused) {
   EXPECT_THAT(refusal("etv", {}, machine), HasSubstr("positioning, etve"));
 }
 
+/// A slow long bridge: 3000 x 1000 x 60 mm at 100 mm/s.
+Machine longMachine() {
+  const auto joint = [](const char* name, const char* parent, const char* child, const char* axis,
+                        double length) {
+    return std::string("<joint name='") + name + "' type='prismatic'><parent link='" + parent +
+           "'/><child link='" + child + "'/><axis xyz='" + axis + "'/><limit lower='0' upper='" +
+           std::to_string(length) + "' effort='1' velocity='0.1'/></joint>";
+  };
+  return Machine(
+      "<robot name='bridge'><link name='workpiece'/><link name='a'/><link name='b'/>"
+      "<link name='probe_tip'/>" +
+          joint("x", "workpiece", "a", "1 0 0", 3.0) + joint("y", "a", "b", "0 1 0", 1.0) +
+          joint("z", "b", "probe_tip", "0 0 1", 0.06) + "</robot>",
+      "bridge");
+}
+
+Plan longPlan(const std::string& test, const PlanTestSize& size = {}) {
+  const Machine machine = longMachine();
+  return Plan::parse(testPlan(test, size, machine, test), test + ".yaml", {}, machine);
+}
+
+TEST(PlanTests, ALongAxisHasFiveTargetsAMetreAndRefusesFewer) {
+  std::map<int, std::set<long>> targets;
+  for (const PlanMove& move : readingsOf(longPlan("positioning")))
+    targets[move.joint].insert(std::lround(move.position[static_cast<std::size_t>(move.joint)] * 1e6));
+  EXPECT_EQ(targets[0].size(), 15U);  // over 2.87 m
+  EXPECT_EQ(targets[1].size(), 11U);
+  std::set<long> steps;  // no multiple of one pitch
+  for (auto at = targets[1].begin(); std::next(at) != targets[1].end(); ++at)
+    steps.insert(*std::next(at) - *at);
+  EXPECT_GT(*steps.rbegin() - *steps.begin(), 10000);  // um
+  const std::string why = refusal("positioning", {11, 0, 0.0, 0.0}, longMachine());
+  EXPECT_THAT(why, HasSubstr("needs --positions 15 or more, not 11: joint x"));
+  EXPECT_EQ(refusal("positioning", {15, 0, 0.0, 0.0}, longMachine()), "");
+
+  const Machine machine = longMachine();
+  const auto beams = beamsOf(longPlan("diagonal", {0, 1, 0.0, 0.0}), machine);
+  EXPECT_EQ(beams.at("+x+y+z").size(), 2U * 16);  // over 3.03 m
+  EXPECT_EQ(beams.at("+y+z").size(), 2U * 11);
+  EXPECT_THAT(refusal("diagonal", {11, 0, 0.0, 0.0}, machine), HasSubstr("diagonal +x+y+z"));
+}
+
+TEST(PlanTests, ALineIsReachedFromBeyondItsEndsByEveryJoint) {
+  const Plan plan = longPlan("diagonal", {0, 1, 0.0, 0.0});
+  std::size_t ends = 0;
+  for (std::size_t i = 0; i + 1 < plan.moves.size(); ++i) {
+    if (plan.moves[i].kind != MoveKind::kGo) continue;
+    ++ends;
+    for (std::size_t j = 0; j < 3; ++j) {
+      const double way = std::abs(plan.moves[i + 1].position[j] - plan.moves[i].position[j]);
+      EXPECT_TRUE(way == 0.0 || way > 0.49e-3) << "move " << i << ", joint " << j << ": " << way;
+    }
+  }
+  EXPECT_EQ(ends, 20U);
+}
+
+TEST(PlanTests, ALongAxisKeepsItsHoursOrSaysWhichItNeeds) {
+  const Machine machine = longMachine();
+  const Plan plan = longPlan("linear");
+  const std::vector<double> times = timesOf(plan, machine);
+  for (int joint = 0; joint < 3; ++joint) {
+    std::vector<double> when;  // of the last reading of each group of three
+    for (std::size_t i = 0; i < plan.moves.size(); ++i)
+      if (plan.moves[i].joint == joint && (i + 1 == plan.moves.size() || plan.moves[i + 1].joint != joint))
+        when.push_back(times[i]);
+    ASSERT_EQ(when.size(), 1U + 48 + 12);
+    EXPECT_NEAR(when[48] - when[0], 4 * 3600.0, 0.02 * 4 * 3600.0) << joint;
+    EXPECT_NEAR(when[60] - when[48], 3600.0, 0.02 * 3600.0) << joint;
+  }
+  EXPECT_THAT(refusal("linear", {0, 0, 0.0, 1.0}, machine), HasSubstr("needs --every-min 1.3 or more"));
+  EXPECT_EQ(refusal("linear", {0, 0, 0.0, 1.3}, machine), "");
+  EXPECT_THAT(refusal("rotary", {0, 0, 0.0, 0.1}, Machine::load("five_axis")),
+              HasSubstr("once to and fro of joint"));
+}
+
 TEST(PlanTests, PositioningReadsEveryJointAtItsTargetsFromBothSides) {
   const Plan plan = planOf("positioning", {8, 2, 0.0, 0.0}, "five_axis");
   std::map<std::string, std::map<long, std::set<int>>> sides;  // setup, position, direction
@@ -176,8 +251,8 @@ TEST(PlanTests, AMovingLinearAxisIsReadAtItsEndsFromOneSideWhileItWarmsAndCools)
     const double span = (*places.rbegin() - *places.begin()) * 1e-6;
     EXPECT_GT(span, 0.85 * (machine.joints()[j].upper - machine.joints()[j].lower));
     ASSERT_EQ(when.size(), 1U + 48 + 12);
-    EXPECT_NEAR(when[48] - when[0], 4 * 3600.0, 0.03 * 4 * 3600.0);
-    EXPECT_NEAR(when[60] - when[48], 3600.0, 0.03 * 3600.0);
+    EXPECT_NEAR(when[48] - when[0], 4 * 3600.0, 1.0);
+    EXPECT_NEAR(when[60] - when[48], 3600.0, 1.0);
     EXPECT_GT((at[48] - at[0]) / (when[48] - when[0]), 0.9 * plan.rapid);  // hardly ever stands
     EXPECT_NEAR(at[60] - at[48], 12 * 2.0 * span, 12 * 2e-3);              // only for the readings
   }
@@ -192,7 +267,7 @@ TEST(PlanTests, ARotaryAxisSwingsAndIsReadAtOnePlace) {
   EXPECT_EQ(readings.front().setup, "b");
   EXPECT_EQ(readings.back().setup, "a");
   const std::vector<double> times = timesOf(plan, machine);
-  EXPECT_NEAR(times.back(), 10 * 3600.0, 0.05 * 10 * 3600.0);
+  EXPECT_NEAR(times.back(), 10 * 3600.0, 60.0);
   double turned = 0.0;
   for (std::size_t i = 1; i < plan.moves.size(); ++i)
     turned += std::abs(plan.moves[i].position[3] - plan.moves[i - 1].position[3]);
@@ -201,6 +276,18 @@ TEST(PlanTests, ARotaryAxisSwingsAndIsReadAtOnePlace) {
 
 TEST(PlanTests, CirclesAreReadInBothSensesInEachPlane) {
   const Plan plan = planOf("circular");
+  std::size_t runIns = 0;
+  for (std::size_t i = 0; i + 1 < plan.moves.size(); ++i) {
+    if (plan.moves[i].kind != MoveKind::kGo) continue;
+    ++runIns;  // as far from the first point as two points are from each other
+    double way = 0.0, step = 0.0;
+    for (std::size_t j = 0; j < 3; ++j) {
+      way += std::pow(plan.moves[i + 1].position[j] - plan.moves[i].position[j], 2);
+      step += std::pow(plan.moves[i + 2].position[j] - plan.moves[i + 1].position[j], 2);
+    }
+    EXPECT_NEAR(std::sqrt(way), std::sqrt(step), 1e-8);
+  }
+  EXPECT_EQ(runIns, 2U * 3);
   std::map<std::string, std::vector<double>> angles;
   for (const PlanMove& move : readingsOf(plan)) {
     const std::size_t first = std::string("xyz").find(move.setup[0]), second = (first + 1) % 3;

@@ -278,6 +278,17 @@ TEST(Simulate, ACovariateIsZeroBeforeAndAfterItsTime) {
   EXPECT_DOUBLE_EQ(s.session.covariates[0].at(300.0), 0.0);
 }
 
+TEST(Simulate, ATimeThatEndsBeforeItBeginsIsRefused) {
+  for (const char* instrument : {"covariates: [{name: spindle, unit: rpm, from_min: 3, to_min: 1}]",
+                                 "thermal: {heat: [{body: bed, power_W: 5, from_min: 3, to_min: 1}]}"})
+    try {
+      InstrumentSettings::parse(std::string("instrument: {") + instrument + "}", "plan.yaml");
+      ADD_FAILURE() << instrument;
+    } catch (const InputError& e) {
+      EXPECT_NE(std::string(e.what()).find("before from_min 3"), std::string::npos) << e.what();
+    }
+}
+
 TEST(Simulate, AReferenceFindsTheDeviationOfARotaryJoint) {
   const std::string yaml =
       "reference: {joint: b, positions_deg: [-40, 50], runs: 1}\ninstrument: {noise: {reference_arcsec: "

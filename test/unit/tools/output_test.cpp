@@ -38,6 +38,7 @@ TEST(JsonOutput, ForeignTextIsPrinted) {
 
 TEST(OneLine, BreaksAndRunsOfBlanksBecomeOneBlank) {
   EXPECT_EQ(oneLine("a\n  b\r\n\tc \n"), "a b c");
+  EXPECT_EQ(oneLine("a\x1b[1m\n b"), "a\uFFFD[1m b");
   EXPECT_EQ(oneLine("\n"), "");
 }
 

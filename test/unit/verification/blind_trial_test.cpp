@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <sstream>
 
 #include "base/error.h"
 #include "base/format.h"
@@ -179,6 +180,44 @@ TEST(BlindTrial, fortyTrialsAreJudgedRightly) {
   EXPECT_LE(falseOnes, 0.01 * all) << "of " << all;
 }
 
+/// The rows with those of `second` between the first and the other rows of a block. @param share of its rows
+/// that come before. Times stay in order.
+std::string interrupted(const std::string& rows, const std::string& block, const std::string& second,
+                        double share) {
+  std::vector<std::string> first, between, all, times;
+  std::istringstream lines(rows);
+  for (std::string line; std::getline(lines, line);) {
+    times.push_back(line.substr(0, line.find(',')));
+    line = line.substr(line.find(','));
+    const bool of = line.find(" " + block + " of ") != std::string::npos;
+    const bool other = line.find(" " + second + " of ") != std::string::npos;
+    (of ? first : other ? between : all).push_back(line);
+  }
+  first.insert(first.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(first.size())),
+               between.begin(), between.end());
+  all.insert(all.begin(), first.begin(), first.end());
+  std::string text;
+  for (std::size_t i = 0; i < all.size(); ++i) text += times[i] + all[i] + "\n";
+  return text;
+}
+
+TEST(BlindTrial, aBlockInPiecesIsNamedSo) {
+  HandTrial trial(3, 4e-3);
+  const std::string rows = trial.rows(1.0);
+  const auto remarks = [&](double share) {
+    const Session session = sessionOf(interrupted(rows, "block 1", "block 2", share));
+    return trialBlocks(session, trial.calibration, quick()).remarks;
+  };
+  EXPECT_EQ(remarks(0.5),
+            (std::vector<std::string>{"block 1 was measured in pieces and counts, as the mean"}));
+  EXPECT_EQ(remarks(0.2),
+            (std::vector<std::string>{"block 1 was measured in pieces; 10 of its 54 measurements "
+                                      "are a piece of too few and are left out"}));
+  const TrialBlocks found = trialBlocks(sessionOf(rows), trial.calibration, quick());
+  EXPECT_EQ(found.notJudged, "Shifts and turns of the whole artifact are not judged: each block fits them");
+  EXPECT_TRUE(found.fittedPose);
+}
+
 TEST(BlindTrial, whatIsMissingOrDoubledIsSaid) {
   HandTrial trial(3, 4e-3);
   const Session aborted = sessionOf(trial.rows(1.0, {1, 2, 3, 4, 5, 6, 7, 8}));
@@ -285,25 +324,40 @@ TEST(BlindTrial, theSimulatedControllerIsSwitchedByTheKey) {
   std::vector<std::size_t> moves;
   plannedSession(controller.short_, controller.machine, &moves);
   TrialSettings settings;
-  settings.blocks = 6;
   const BlindTrial trial = blindTrial(controller.short_, controller.machine, moves, "trial", settings);
   const Plan plan = Plan::parse(trial.plan, "trial.yaml", ".", controller.machine);
-  EXPECT_EQ(plan.measurements(), 6 * controller.short_.measurements());
+  EXPECT_EQ(plan.measurements(), 10 * controller.short_.measurements());
   EXPECT_EQ(plan.standText(plan.moves.front()),
-            std::string("state ") + trial.key.order[0] + " of the correction (block 1 of 6)");
-  SimulationRequest request;
-  request.hide = loadedErrors();
-  request.seed = 12;
-  request.correctedState = trial.key.on;
-  request.correction = std::make_shared<const CorrectionTable>(
-      CorrectionTable::parse(controller.table, "table.csv", controller.machine));
-  const Session session = simulate(controller.machine, plan, request).session;
-  const TrialBlocks found = trialBlocks(session, controller.calibration, quick());
-  ASSERT_EQ(found.blocks.size(), 6U);
+            std::string("state ") + trial.key.order[0] + " of the correction (block 1 of 10)");
+  const auto measured = [&](const std::string& table) {
+    SimulationRequest request;
+    request.hide = loadedErrors();
+    request.seed = 12;
+    request.correctedState = trial.key.on;
+    request.correction = std::make_shared<const CorrectionTable>(
+        CorrectionTable::parse(table, "table.csv", controller.machine));
+    return trialBlocks(simulate(controller.machine, plan, request).session, controller.calibration, quick());
+  };
+  const TrialBlocks found = measured(controller.table);
+  ASSERT_EQ(found.blocks.size(), 10U);
   EXPECT_TRUE(found.remarks.empty());
-  for (const TrialBlockFigures& block : found.blocks)
+  for (const TrialBlockFigures& block : found.blocks) {
     EXPECT_NEAR(block.remaining, block.state == trial.key.on ? 0.0 : 1.0, 0.1) << block.number;
+    EXPECT_EQ(block.ofAxis.size(), 3U);
+    for (const auto& [axis, share] : block.ofAxis)
+      EXPECT_NEAR(share, block.state == trial.key.on ? 0.0 : 1.0, 0.3) << block.number << ", " << axis;
+  }
   EXPECT_EQ(opened(compareStates(found.blocks), trial.key.on, false).verdict, TrialVerdict::kHelped);
+
+  const TrialBlocks twoWrong = measured(toTheOtherSide(controller.table, 2));  // y and z
+  const OpenedTrial wrong = opened(compareStates(twoWrong.blocks), trial.key.on, false);
+  EXPECT_EQ(wrong.verdict, TrialVerdict::kWrongSign) << wrong.inWords;
+  EXPECT_NE(wrong.inWords.find("the wrong sign of y, z"), std::string::npos) << wrong.inWords;
+
+  std::string swapped = withExchangedColumns(controller.table, "correction_x_um", "correction_y_um");
+  swapped = withExchangedColumns(withExchangedColumns(swapped, "x_mm", "y_mm"), "x_travel", "y_travel");
+  const OpenedTrial exchanged = opened(compareStates(measured(swapped).blocks), trial.key.on, false);
+  EXPECT_EQ(exchanged.verdict, TrialVerdict::kWorse) << exchanged.inWords;
 }
 
 }  // namespace

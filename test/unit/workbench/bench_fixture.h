@@ -168,6 +168,7 @@ class BenchTest : public ::testing::Test {
   std::string store_ = "store";
   std::string bag_ = "plate.bag";           // empty: none is open
   std::map<std::string, Session> written_;  // by name of the bag
+  bool cancelsOpening_ = false;             // of any other bag
   Session (*session_)() = [] { return plate(); };
 
   void start(bool live = false) {
@@ -179,6 +180,7 @@ class BenchTest : public ::testing::Test {
     BenchSources sources;
     sources.readBag = [this](const std::filesystem::path& file, const ProgressCallback&, const Machine*) {
       if (file.filename() == "plate.bag") return session_();
+      if (cancelsOpening_) throw Cancelled("cancelled; nothing was changed");
       if (const auto one = written_.find(file.filename().string()); one != written_.end()) return one->second;
       const std::string content = readAll(file);
       if (content == "fresh points") return fresh();

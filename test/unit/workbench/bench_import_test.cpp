@@ -17,6 +17,7 @@ class BenchImportTest : public BenchTest {
   json look(json wish = json::object()) {
     wish["file"] = data("import")["number"];
     wish["asked"] = ++asked_;
+    if (!wish.contains("session")) wish["session"] = session();
     const json end = act("preview", wish);
     EXPECT_TRUE(end["ok"]) << end;
     const json found = data("preview");
@@ -25,8 +26,11 @@ class BenchImportTest : public BenchTest {
   }
   json import(json wish) {
     if (!wish.contains("file")) wish["file"] = data("import")["number"];
+    if (!wish.contains("session")) wish["session"] = session();
     return act("import", wish);
   }
+  /// Number of the document of the session in hand; 0: there is none.
+  std::uint64_t session() { return live()["documents"].value("session", std::uint64_t{0}); }
   std::string said(const json& end) const { return end["message"].get<std::string>(); }
   /// A grid of references within the travels of three_axis.
   static std::string positions() {
@@ -132,10 +136,12 @@ TEST_F(BenchImportTest, NoFileThatAPageNamesIsOpened) {
     EXPECT_FALSE(end["ok"]);
     EXPECT_NE(said(end).find("is a file"), std::string::npos) << end;
   }
-  EXPECT_FALSE(act("preview", {{"file", number}, {"artifact", "examples/tutorials/plate.yaml"}})["ok"]);
+  EXPECT_FALSE(act(
+      "preview",
+      {{"file", number}, {"machine", "three_axis"}, {"artifact", "examples/tutorials/plate.yaml"}})["ok"]);
   const json mapping = look({{"mapping", "/etc/passwd"}});
   EXPECT_EQ(mapping["faults"][0].get<std::string>().find("mapping:1:"), 0u) << mapping["faults"];
-  EXPECT_FALSE(act("preview", {{"file", number}, {"compensation", "/etc"}})["ok"]);
+  EXPECT_FALSE(act("preview", {{"file", number}, {"machine", "three_axis"}, {"compensation", "/etc"}})["ok"]);
 }
 
 TEST_F(BenchImportTest, WhatIsNoTextOrTooLargeIsRefused) {
@@ -150,6 +156,46 @@ TEST_F(BenchImportTest, WhatIsNoTextOrTooLargeIsRefused) {
   EXPECT_EQ(large.status, 413u);
   EXPECT_NE(large.body->find("64 MB"), std::string::npos);
   EXPECT_TRUE(data("import").is_null()) << "something was kept of them";
+}
+
+TEST_F(BenchImportTest, AnotherSessionsMachineIsNotTakenForTheOneThatWasSeen) {
+  start();
+  ASSERT_TRUE(send("t.csv", positions())["ok"]);
+  const std::uint64_t seen = session();
+  EXPECT_TRUE(look()["faults"].empty());
+  ASSERT_TRUE(ended(bench_->post("/upload", "name=f.bag", "fresh points", "test"))["ok"]);
+  ASSERT_NE(session(), seen);
+  for (const json& wish :
+       {json{{"output", "t.bag"}, {"session", seen}}, json{{"output", "t.bag"},
+                                                           {"session", seen},
+                                                           {"machine", "three_axis"},
+                                                           {"artifact_from", "session"}}}) {
+    const json end = import(wish);
+    EXPECT_FALSE(end["ok"]) << wish;
+    EXPECT_EQ(said(end), "another session was opened meanwhile; look again");
+  }
+  EXPECT_TRUE(written_.empty());
+  EXPECT_TRUE(import({{"output", "t.bag"}, {"session", seen}, {"machine", "three_axis"}})["ok"])
+      << "nothing of the session is taken";
+}
+
+TEST_F(BenchImportTest, AfterAnImportAnotherNameIsProposed) {
+  start();
+  ASSERT_TRUE(send("t.csv", positions())["ok"]);
+  const json number = data("import")["number"];
+  ASSERT_TRUE(import({{"output", "t.bag"}})["ok"]);
+  EXPECT_EQ(data("import")["output"], "t_2.bag");
+  EXPECT_EQ(data("import")["number"], number) << "it is the same file";
+}
+
+TEST_F(BenchImportTest, WhoCancelsWhileTheBagIsOpenedIsToldThatItIsWritten) {
+  start();
+  ASSERT_TRUE(send("t.csv", positions())["ok"]);
+  cancelsOpening_ = true;
+  const json end = import({{"output", "t.bag"}});
+  EXPECT_FALSE(end["ok"]);
+  EXPECT_NE(said(end).find("t.bag is written; cancelled while it was opened"), std::string::npos) << end;
+  EXPECT_EQ(data("import")["output"], "t_2.bag");
 }
 
 TEST_F(BenchImportTest, AnotherPagesFileIsNotTakenForOnesOwn) {

@@ -83,6 +83,7 @@ TEST_F(ServerTest, WhatIsNotHttpIsTurnedAway) {
 TEST_F(ServerTest, BodiesAreBounded) {
   options_.largestBody = 1000;
   options_.largestUpload = 2000;
+  options_.largestImport = 1500;
   start();
   EXPECT_EQ(status(answerTo(request("POST " + withToken("/action/add"), "Content-Length: 1001\r\n"))), 413);
   // said from its header alone: nothing of a gigabyte is read
@@ -103,6 +104,12 @@ TEST_F(ServerTest, BodiesAreBounded) {
       answerTo(request("POST " + withToken("/upload"), "Content-Length: 2000\r\nConnection: close\r\n",
                        std::string(2000, 'x')));
   EXPECT_NE(fits.find("took 2000"), std::string::npos) << fits;
+  for (const char* path : {"/action/preview", "/action/import"}) {  // with a URDF and an artifact
+    EXPECT_EQ(status(answerTo(request("POST " + withToken(path), "Content-Length: 1501\r\n"))), 413);
+    const std::string both = answerTo(request(
+        "POST " + withToken(path), "Content-Length: 1500\r\nConnection: close\r\n", std::string(1500, 'x')));
+    EXPECT_NE(both.find("took 1500"), std::string::npos) << both;
+  }
   expectAlive();
 }
 
