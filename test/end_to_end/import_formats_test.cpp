@@ -121,7 +121,8 @@ TEST_F(ImportedFormats, QuestionsAreInTheSummary) {
 
 TEST_F(ImportedFormats, APreviewWritesNothing) {
   const std::string asked = "import examples/import/iso230_2_x.csv --machine three_axis --preview";
-  const Answer text = mmRun(folder_, asked + " -o " + folder_ / "p.bag");
+  EXPECT_EQ(mmRun(folder_, asked + " -o " + folder_ / "p.bag").status, 2);
+  const Answer text = mmRun(folder_, asked);
   ASSERT_EQ(text.status, 0) << text.error;
   EXPECT_NE(text.out.find("first rows\n  Target [mm]  1+"), std::string::npos) << text.out;
   EXPECT_FALSE(std::filesystem::exists(folder_ / "p.bag"));

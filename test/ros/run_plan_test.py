@@ -25,7 +25,9 @@ class RunPlan(unittest.TestCase):
     def plan(self, more, points=8):
         path = os.path.join(self.folder, "plan.yaml")
         with open(SHORT) as short, open(path, "w") as f:
-            f.write(short.read().replace("points: 8", "points: %d" % points) + more)
+            # upwards first: the plan before may have been cancelled beside a ball
+            text = short.read().replace("points: 8", "points: %d" % points).replace("touch:", "moves:\n  - {z_mm: 12}\ntouch:")
+            f.write(text + more)
         return path
 
     def start(self, *arguments):
