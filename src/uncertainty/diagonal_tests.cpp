@@ -58,8 +58,9 @@ std::optional<DiagonalTest> diagonalOf(const Session& session, const std::vector
   const std::vector<DiagonalJoint> joints = jointsOfDiagonal(session, rows);
   if (joints.size() < 2) return std::nullopt;
   DiagonalTest test;
-  for (const DiagonalJoint& j : joints)
-    test.name += (j.grows ? "+" : "-") + session.machine.joints()[j.joint].name;
+  std::map<std::string, const char*> signs;  // x before y, whatever the machine's chain
+  for (const DiagonalJoint& j : joints) signs[session.machine.joints()[j.joint].name] = j.grows ? "+" : "-";
+  for (const auto& [name, sign] : signs) test.name += sign + name;
   double zero = kNotMeasured;
   for (const LengthRow& row : rows) {
     const Observation& o = session.observations[static_cast<std::size_t>(row.observation)];
