@@ -91,7 +91,8 @@ struct Calibration {
   std::vector<SessionPart> sessionParts;  // of several sessions that were judged together; empty: of one
   /// Namespace of the nodes that measured ("/m1"); empty: not measured by nodes (imported, simulated).
   std::string sessionSpace;
-  bool toldSpace = true;  // false: a file that was written before this was told
+  std::string sessionOrigin;  // "simulated"; empty: not told
+  bool toldSpace = true;      // false: a file that was written before this was told
   /// Stamp of the session's start, s: what `t = 0` is on the clock of its source. NaN: not known.
   double sessionEpoch = std::numeric_limits<double>::quiet_NaN();
   ControllerCompensation compensation;  // that was active: the model is what remained beside it

@@ -95,6 +95,7 @@ void sessionLayout(Io& io, Calibration& c) {
   io("epoch_s", c.sessionEpoch);
   c.toldSpace = io.told("namespace", c.toldSpace);
   field(io, "namespace", c.sessionSpace, c.toldSpace);
+  field(io, "origin", c.sessionOrigin, !c.sessionOrigin.empty());
   fields(io, "method", c.method, "seed", c.seed, "observations", c.observations);
 }
 

@@ -103,6 +103,7 @@ Session centresWith(const Session& session, const std::vector<Posture>& postures
   out.temperatures = session.temperatures;
   out.covariates = session.covariates;
   out.epoch = session.epoch;
+  out.simulated = session.simulated;
   out.source = session.source;
   out.placements = session.placements;
   out.recordings = session.recordings;

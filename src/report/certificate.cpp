@@ -22,10 +22,10 @@ std::string verifiedInWords(const CalibrationStore::Verified& v) {
   const double unit = v.angular ? kArcsecond : kMicrometre;
   std::string verdict = v.verdict;
   std::replace(verdict.begin(), verdict.end(), '_', ' ');
-  return "verified: " + verdict +
+  return "compared with fresh points: " + verdict +
          format(", %.3g ± %.1g → %.3g ± %.1g %s (k = 2) at %d points", v.before / unit,
                 2.0 * v.beforeStd / unit, v.after / unit, 2.0 * v.afterStd / unit,
-                v.angular ? "arcsec" : "um", v.points) +
+                v.angular ? "arcsec" : "µm", v.points) +
          (v.session.empty() ? "" : " (" + v.session + ")");
 }
 

@@ -14,16 +14,16 @@ namespace mm {
 
 /// What no file knows: said by whoever issues the certificate. Empty: not stated.
 struct CertificateFacts {
-  std::string serial, operatorName, laboratory, customer, place, traceability, remark;
+  std::string serial, operatorName, authorisedBy, laboratory, customer, place, traceability, remark;
   std::string issued;  // ISO 8601, UTC; empty: now
 };
 
 /// A task that the certificate states, with its decisions. Its figures are predicted: nobody measured them.
 struct CertifiedTask {
   TaskUncertainty result;
-  std::vector<TaskVerdict> verdicts;  // empty where conformity cannot be decided
-  bool asked = false;                 // for conformity
-  bool measured = false;              // the verdict is on a value that was measured
+  std::vector<TaskVerdict> verdicts;      // empty where conformity cannot be decided
+  bool asked = false;                     // for conformity
+  std::vector<std::string> noConformity;  // why it cannot be decided (decideConformity); empty: it can
 };
 
 /// How far the calibrated machine is off its scale along one axis, the others in the middle of their ranges.
@@ -46,7 +46,8 @@ struct CertifiedSession {
 /// Something that happened to the calibrations of a machine in their store.
 struct StoreEvent {
   std::string time, id;  // ISO 8601, UTC; of the calibration
-  std::string what;  // "made active", "verified: helped, 3.12 ± 0.08 → 0.31 ± 0.06 um (k = 2) at 54 points"
+  std::string what;  // "made active", "compared with fresh points: helped, 3.12 ± 0.08 → 0.31 ± 0.06 µm (k =
+                     // 2) at 54 points"
   std::string until;  // of what was made active: when another one was; empty: it still is, or none
 };
 
@@ -64,15 +65,15 @@ std::optional<StoreRecord> storeRecord(const CalibrationStore& store, const Cali
 /// Everything that stands on a certificate.
 struct Certificate {
   Calibration calibration;
-  std::string number;    // of this issue; empty: that of the calibration
-  std::string replaces;  // number of the issue that it replaces; empty: none is known
-  std::vector<std::string>
-      notStated;           // why conformity cannot be decided (uncertaintyNotStated); empty: it can
+  std::string number;      // of this issue; empty: that of the calibration
+  std::string replaces;    // number of the issue that it replaces; empty: none is known
   double scaleStd = 0.0;   // of the reference, 1; as stated for the tasks; 0: not stated
   double radiusStd = 0.0;  // m, of the ball on which the tip was qualified; likewise
   std::string serial;      // of the facts, else of the URDF
   CertificateFacts facts;
   std::vector<CertifiedTask> tasks;
+  TaskConditions conditions;  // under which they are predicted
+  int points = 0;             // of a feature, as TaskOptions
   std::vector<CorrectionCurve> curves;
   std::optional<CertifiedSession> session;
   std::optional<StoreRecord> store;  // empty: no store keeps it

@@ -8,6 +8,7 @@
 #include "base/text.h"
 #include "base/units.h"
 #include "effects/effect_words.h"
+#include "report/certificate_facts.h"
 #include "report/symbols_of.h"
 #include "report/text_parts.h"
 #include "report/uncertainty_output.h"
@@ -44,7 +45,9 @@ StatedFigure figureWith(const std::string& of, const std::string& name, double v
 }
 
 StatedFigure figureAlone(const std::string& name, double value, const std::string& unit) {
-  return {{}, name, threeDigits(value), {}, unit, false, {}};
+  StatedFigure figure{{}, name, threeDigits(value), {}, unit, false, {}};
+  figure.note = "informative, without uncertainty";
+  return figure;
 }
 
 /// Left out where it does not exist.
@@ -53,7 +56,8 @@ void addFigure(StatedGroup& group, const std::string& name, double value, const 
 }
 
 StatedGroup parameterFigures(const Calibration& c) {
-  StatedGroup group{FigureOrigin::kEstimated, "Parameters of the machine", {}};
+  const std::string uncertainty = parameterUncertainty(c);
+  StatedGroup group{FigureOrigin::kEstimated, "Parameters of the machine", {}, uncertainty};
   const ErrorSymbols symbols = symbolsOf(c);
   const bool normal = !(c.degreesOfFreedom > 0.0) || c.degreesOfFreedom >= kManyDegreesOfFreedom;
   const std::string coverage =
@@ -65,6 +69,9 @@ StatedGroup parameterFigures(const Calibration& c) {
                                      v.value * v.toUnit, 2.0 * v.std * std::abs(v.toUnit), v.unit);
     figure.held = v.fixed;
     figure.coverage = coverage;
+    figure.note = v.fixed                                    ? "held by a convention, without an uncertainty"
+                  : uncertainty != StatedGroup().uncertainty ? "uncertainty: " + uncertainty
+                                                             : "";
     if (v.fixed)
       figure.expanded.clear();
     else
@@ -116,11 +123,26 @@ std::string nameOfFigure(const QuantityUncertainty& q, bool wholeTest) {
 
 StatedFigure figureOfQuantity(const QuantityUncertainty& q, bool wholeTest) {
   const double unit = q.quantity.oneSided ? kMicrometre : kMillimetre;
-  return figureWith({}, nameOfFigure(q, wholeTest), q.mean / unit, 2.0 * q.std / unit,
-                    q.quantity.oneSided ? "um" : "mm");
+  StatedFigure figure = figureWith({}, nameOfFigure(q, wholeTest), q.mean / unit, 2.0 * q.std / unit,
+                                   q.quantity.oneSided ? "um" : "mm");
+  if (!q.quantity.oneSided) return figure;
+  const int decimals = decimalsOf(2.0 * q.std / unit);
+  figure.expanded.clear();
+  figure.standard = decimalText(q.std / unit, decimalsOf(q.std / unit));
+  figure.interval = decimalText(q.lower / unit, decimals) + " … " + decimalText(q.upper / unit, decimals);
+  figure.note = "95 % between " + decimalText(q.lower / unit, decimals) + " and " +
+                decimalText(q.upper / unit, decimals);
+  return figure;
 }
 
+std::string timesText(double ratio) { return format("%.*f times", ratio < 10.0 ? 1 : 0, ratio); }
+
 bool isBall(const FoundInArtifact& feature) { return feature.ball; }
+
+/// Whether a task's points are on one line, where of the artifact its scale alone matters.
+bool isAlongLine(const std::string& task) {
+  return startsWith(task, "distance:") || startsWith(task, "iso230-2:");
+}
 
 /// "of its features", or "of b2, b7" where the others state it.
 std::string whoseUncertainty(const std::vector<std::string>& names, std::size_t all) {
@@ -214,8 +236,43 @@ std::vector<StatedGroup> statedGroups(const Certificate& c) {
   return groups;
 }
 
+std::string parameterUncertainty(const Calibration& calibration) {
+  return uncertaintyNotStated(calibration, {}, false).empty() ? StatedGroup().uncertainty
+                                                              : "2 s of the fit; reference not included";
+}
+
+std::string modelLeaves(const Calibration& c) {
+  const double left = timesRepeatability(c.repeatabilityFrom, c.chi2PerDof);
+  if (!(left > 0.0))
+    return "Whether the model leaves more than the repeatability is not known: this was estimated from its "
+           "residuals";
+  return "The model leaves " + timesText(left) + " the repeatability" +
+         (left > kLeavesMore ? ": errors that this model does not describe remain" : "");
+}
+
+void decideConformity(Certificate& certificate, const TaskConditions& conditions) {
+  const Calibration& c = certificate.calibration;
+  certificate.scaleStd = conditions.artifactScale;
+  certificate.radiusStd = conditions.artifactRadius;
+  for (CertifiedTask& task : certificate.tasks) {
+    task.noConformity = uncertaintyNotStated(c, conditions, isAlongLine(task.result.task));
+    if (const double left = timesRepeatability(c.repeatabilityFrom, c.chi2PerDof); left > kLeavesMore)
+      task.noConformity.push_back("the model leaves " + timesText(left) + " the repeatability");
+    for (const std::string& why : task.result.outside)
+      task.noConformity.push_back("the calibration does not hold " + why);
+    if (isSimulated(c)) task.noConformity.push_back("the session is simulated");
+    if (!task.noConformity.empty()) task.verdicts.clear();
+  }
+}
+
+std::string headOf(const CertifiedTask& task, const TaskVerdict& verdict) {
+  if (verdict.measured) return "Of the measured value that the issuer states";
+  return task.result.task == "iso10360-2" ? "ISO 10360-2 (predicted, no test was made)"
+                                          : "Predicted, no test was made";
+}
+
 std::vector<std::string> uncertaintyNotStated(const Calibration& calibration,
-                                              const TaskConditions& conditions) {
+                                              const TaskConditions& conditions, bool alongLine) {
   const bool scale = conditions.artifactScale > 0.0, radius = conditions.artifactRadius > 0.0;
   if (!calibration.artifact || calibration.artifact->features == 0) {
     if (scale) return {};
@@ -235,11 +292,13 @@ std::vector<std::string> uncertaintyNotStated(const Calibration& calibration,
   const bool points = !a.found.empty() && std::none_of(a.found.begin(), a.found.end(), isBall);
   std::vector<std::string> missing;
   const std::string artifact = "artifact '" + a.name + "': the uncertainty of the ";
-  if (!scale && (!(a.centreStd > 0.0) || !places.empty()))
+  const bool scaleStatesIt = scale && (points || alongLine);
+  if (!scaleStatesIt && (!(a.centreStd > 0.0) || !places.empty()))
     missing.push_back(artifact + "positions " + whoseUncertainty(places, known) + " is not stated: add " +
                       (points ? "'position_std_um: …' to their lines below 'points:'"
                               : "'centre_std_um: …' to their lines below 'balls:'") +
-                      " in its YAML file and calibrate again, or give --artifact-scale-um-m");
+                      " in its YAML file and calibrate again" +
+                      (points || alongLine ? ", or give --artifact-scale-um-m" : ""));
   if (!points && !radius && (!(a.radiusStd > 0.0) || !radii.empty()))
     missing.push_back(
         artifact + "radii " + whoseUncertainty(radii, balls) +

@@ -17,6 +17,9 @@ struct StatedFigure {
   bool held = false;              // by a convention: it has no uncertainty
   std::string distribution;       // of the value; empty: not stated
   std::string coverage = "0.95";  // probability of value ± U
+  std::string standard = {};      // u, in `unit`, of what is not symmetric about its value; it has no U
+  std::string interval = {};      // 95 % of it: "0.12 … 0.55"
+  std::string note = {};          // what its uncertainty leaves out, or that it has none
 };
 
 /// How figures came about: those of different origin are never put into one table.
@@ -29,6 +32,7 @@ struct StatedGroup {
   FigureOrigin origin = FigureOrigin::kMeasured;
   std::string title;
   std::vector<StatedFigure> figures;
+  std::string uncertainty = "U (k = 2)";  // what `expanded` is
 };
 
 /// All of a certificate: parameters, residuals, what was measured in a session, what is calculated for it
@@ -64,9 +68,22 @@ bool timesRecorded(const Domain& domain);
 /// What a session's drift along a direction was: "along x: standard deviation 0.4 um, time constant 12 min".
 std::string driftText(const Domain& domain, const Wandering& drift);
 
+/// What the uncertainty of the parameters is: without that of the reference, where this was taken as exact.
+std::string parameterUncertainty(const Calibration& calibration);
+
+/// How much more than the repeatability the model leaves: a sentence without its stop.
+std::string modelLeaves(const Calibration& calibration);
+
 /// What of the artifact's uncertainty is not stated, each with the line that would state it; empty: it is all
-/// stated, and conformity may be decided.
+/// stated. @param alongLine of a task whose points are on one line: the scale alone states it.
 std::vector<std::string> uncertaintyNotStated(const Calibration& calibration,
-                                              const TaskConditions& conditions);
+                                              const TaskConditions& conditions, bool alongLine);
+
+/// Leaves no verdict on a task of which the reference's uncertainty is not stated, on which the calibration
+/// does not hold, or whose model leaves more than the repeatability, and says which.
+void decideConformity(Certificate& certificate, const TaskConditions& conditions);
+
+/// Of what a verdict is: "ISO 10360-2 (predicted, no test was made)".
+std::string headOf(const CertifiedTask& task, const TaskVerdict& verdict);
 
 }  // namespace mm

@@ -9,6 +9,7 @@
 #include "effects/effect_words.h"
 #include "export/compensation_statement.h"
 #include "report/certificate.h"
+#include "report/certificate_facts.h"
 #include "report/certificate_figures.h"
 #include "report/certificate_plots.h"
 #include "report/certificate_seal.h"
@@ -17,7 +18,6 @@
 #include "report/symbols_of.h"
 #include "report/text_parts.h"
 #include "report/uncertainty_output.h"
-#include "verification/trend.h"
 
 namespace mm {
 namespace {
@@ -37,33 +37,42 @@ std::string factRow(const std::string& name, const std::string& value) {
          "</td></tr>\n";
 }
 
+/// Of what somebody typed: it is printed as it is.
+std::string typedRow(const std::string& name, const std::string& value) {
+  return "<tr><th>" + escapedHtml(name) + "</th><td>" + (value.empty() ? "not stated" : escapedHtml(value)) +
+         "</td></tr>\n";
+}
+
 std::string sectionHead(const std::string& text) { return "<h2>" + escapedHtml(text) + "</h2>\n"; }
 
 std::string itemSection(const Certificate& c) {
   const Calibration& k = c.calibration;
-  std::string html = "<table class=\"facts\">" + factRow("Machine", k.machineName) +
-                     factRow("Serial number", c.serial) + factRow("Laboratory", c.facts.laboratory);
-  if (!c.facts.customer.empty()) html += factRow("Customer", c.facts.customer);
-  if (!c.facts.place.empty()) html += factRow("Place", c.facts.place);
-  html += factRow("Operator", c.facts.operatorName) + factRow("Date of measurement", measuredAt(k)) +
+  std::string html = "<table class=\"facts\">" + typedRow("Machine", k.machineName) +
+                     typedRow("Serial number", c.serial) + typedRow("Laboratory", c.facts.laboratory);
+  if (!c.facts.customer.empty()) html += typedRow("Customer", c.facts.customer);
+  if (!c.facts.place.empty()) html += typedRow("Place", c.facts.place);
+  const std::string measured = dateOfMeasurement(k);
+  html += typedRow("Operator", c.facts.operatorName) +
+          factRow("Date of measurement", measured.empty() ? "not recorded" : measured) +
           factRow("Date of evaluation", k.created) +
           factRow("Date of issue", c.facts.issued.empty() ? utcNow() : c.facts.issued) +
-          factRow("Replaces", c.replaces.empty() ? "no other certificate" : "certificate No. " + c.replaces) +
-          factRow("Calibration", k.id) +
-          factRow("Measured as", k.sessionSource + " (" + std::to_string(k.observations) +
-                                     " observations, hash " + k.sessionHash + ")") +
+          (c.replaces.empty() ? std::string() : typedRow("Replaces", "certificate No. " + c.replaces)) +
+          typedRow("Calibration", k.id) +
+          typedRow("Measured as", k.sessionSource + " (" + std::to_string(k.observations) +
+                                      " observations, hash " + k.sessionHash + ")") +
           factRow("Method", "parameters of " + std::to_string(k.effects.size()) +
                                 (k.effects.size() == 1 ? " effect by " : " effects by ") + k.method +
                                 ", measuring_machine " + k.software);
-  if (!c.facts.remark.empty()) html += factRow("Remark", c.facts.remark);
+  if (!c.facts.remark.empty()) html += typedRow("Remark", c.facts.remark);
   return html + "</table>\n";
 }
 
 std::string referenceSection(const Certificate& c) {
   std::string html = sectionHead("Reference standard and its traceability") + "<table class=\"facts\">";
   if (const auto& a = c.calibration.artifact) {
-    html += factRow("Artifact", a->features > 0 ? a->name + ", " + std::to_string(a->features) + " features"
-                                                : std::string("independent instrument"));
+    html += typedRow("Artifact", a->features > 0 ? a->name + ", " + std::to_string(a->features) + " features"
+                                                 : std::string("independent instrument")) +
+            typedRow("Serial number of the artifact", a->serial);
     const auto stated = [](double std) {
       return std > 0.0 ? format("U = %.2g um (k = 2), in the results", 2.0 * std / kMicrometre)
                        : std::string("taken as exact, not included in the results");
@@ -84,7 +93,7 @@ std::string referenceSection(const Certificate& c) {
     html += factRow(
         "Uncertainty of the reference ball's radius",
         format("U = %.2g um (k = 2), stated for the predicted results", 2.0 * c.radiusStd / kMicrometre));
-  return html + factRow("Traceability", c.facts.traceability) + "</table>\n";
+  return html + typedRow("Traceability", c.facts.traceability) + "</table>\n";
 }
 
 std::string environmentSection(const Calibration& c) {
@@ -99,14 +108,13 @@ std::string environmentSection(const Calibration& c) {
   for (std::size_t s = 0; s < d.sensors.size(); ++s)
     html += factRow("Temperature " + d.sensors[s], rangeText(d.sensorLower[s], d.sensorUpper[s], "degC"));
   for (std::size_t v = 0; v < d.covariates.size(); ++v)
-    html += factRow(d.covariates[v], rangeText(d.covariateLower[v], d.covariateUpper[v], ""));
+    html += factRow(d.covariates[v],
+                    rangeText(d.covariateLower[v], d.covariateUpper[v], covariateUnit(d.covariates[v])));
+  if (d.sensors.empty()) html += factRow("Temperature", "not recorded");
   html += factRow("Duration", timesRecorded(d) ? format("%.3g h", d.duration / 3600.0) : "not recorded");
   for (const Wandering& w : c.drift)
     html += factRow(timesRecorded(d) ? "Drift seen" : "Variation seen", driftText(d, w));
-  return html +
-         "</table>\n"
-         "<p class=\"small\">The results are valid within these ranges; changes of the machine after the "
-         "calibration are not covered.</p>\n";
+  return html + "</table>\n<p class=\"small\">" + shown(scopeOfResults(c)) + "</p>\n";
 }
 
 std::string unitShown(const std::string& unit) { return unit == "um" ? std::string("µm") : shown(unit); }
@@ -114,7 +122,8 @@ std::string unitShown(const std::string& unit) { return unit == "um" ? std::stri
 /// U as it is printed beside a value: of a length in mm in µm, with the same digits.
 std::string expandedShown(const StatedFigure& f) {
   if (f.held) return "held";
-  if (f.expanded.empty()) return "–";
+  if (!f.interval.empty()) return "95 %: " + f.interval;
+  if (f.expanded.empty()) return f.note.empty() ? "–" : f.note;
   if (f.unit != "mm") return f.expanded;
   const std::size_t point = f.expanded.find('.');
   const int decimals = point == std::string::npos ? 0 : static_cast<int>(f.expanded.size() - point) - 1;
@@ -123,19 +132,15 @@ std::string expandedShown(const StatedFigure& f) {
 
 /// Figures of one origin, which stands above them.
 std::string figureTable(const StatedGroup& group) {
-  bool uncertain = false, grouped = false;
-  for (const StatedFigure& f : group.figures) {
-    uncertain = uncertain || f.held || !f.expanded.empty();
-    grouped = grouped || !f.of.empty();
-  }
-  std::string html =
-      std::string("<div class=\"wide\"><table><thead><tr>") + (grouped ? "<th>Effect</th>" : "") + "<th>" +
-      (grouped ? "Parameter" : "Quantity") + "</th><th class=\"n\">Value, " + nameOf(group.origin) + "</th>" +
-      (uncertain ? "<th class=\"n\">U (k = 2)</th>" : "") + "<th>Unit</th></tr></thead><tbody>\n";
+  bool grouped = false;
+  for (const StatedFigure& f : group.figures) grouped = grouped || !f.of.empty();
+  std::string html = std::string("<div class=\"wide\"><table><thead><tr>") +
+                     (grouped ? "<th>Effect</th>" : "") + "<th>" + (grouped ? "Parameter" : "Quantity") +
+                     "</th><th class=\"n\">Value, " + nameOf(group.origin) + "</th>" + "<th class=\"u\">" +
+                     group.uncertainty + "</th><th>Unit</th></tr></thead><tbody>\n";
   for (const StatedFigure& f : group.figures)
     html += "<tr>" + (grouped ? "<td>" + shown(f.of) + "</td>" : std::string()) + "<td>" + shown(f.name) +
-            "</td><td class=\"n\">" + f.value + "</td>" +
-            (uncertain ? "<td class=\"n\">" + expandedShown(f) + "</td>" : std::string()) + "<td>" +
+            "</td><td class=\"n\">" + f.value + "</td><td class=\"n\">" + expandedShown(f) + "</td><td>" +
             unitShown(f.unit) + "</td></tr>\n";
   return html + "</tbody></table></div>\n";
 }
@@ -191,37 +196,44 @@ std::string lengthSection(const LengthTable& table) {
 }
 
 /// The statement of conformity, or why there is none.
-std::string conformitySection(const Certificate& c, const CertifiedTask& task) {
+std::string conformitySection(const CertifiedTask& task) {
   std::string html;
   if (task.asked && task.verdicts.empty()) {
-    html = "<p class=\"verdict open\">No statement of conformity: " + shown(joined(c.notStated, "; ")) +
+    html = "<p class=\"verdict open\">No statement of conformity: " + shown(joined(task.noConformity, "; ")) +
            ".</p>\n";
   }
   for (const TaskVerdict& v : task.verdicts)
     html += std::string("<p class=\"verdict ") +
-            (v.conformity == Conformity::kConforms    ? "conforms"
-             : v.conformity == Conformity::kUndecided ? "open"
-                                                      : "fails") +
-            "\">" + (task.measured ? "Of a measured value: " : "Predicted, no test was made: ") +
-            shown(v.inWords) + ".</p>\n";
+            (v.conformity == Conformity::kUndecided        ? "open"
+             : v.conformity == Conformity::kDoesNotConform ? "fails"
+             : v.measured                                  ? "conforms"
+                                                           : "") +
+            "\">" + headOf(task, v) + ": " + shown(v.inWords) + ".</p>\n";
   return html;
 }
 
-std::string taskSection(const Certificate& c, const CertifiedTask& task) {
+std::string taskSection(const CertifiedTask& task) {
   const TaskUncertainty& r = task.result;
   const QuantityUncertainty& headline = r.quantities[r.headline];
-  std::string html = "<div class=\"task\"><h3>" + shown(r.task) + "</h3>\n" + figureTable(taskFigures(task));
+  std::string html =
+      "<div class=\"task\"><h3>" + escapedHtml(r.task) + "</h3>\n" + figureTable(taskFigures(task));
   if (const LengthTable lengths = lengthTable(r); !lengths.rows.empty()) html += lengthSection(lengths);
   html += "<p>Uncertainty budget of the first figure:</p>\n" + budgetTable(headline);
   for (const std::string& why : r.outside)
     html += "<p class=\"verdict fails\">The calibration does not hold " + shown(why) + ".</p>\n";
-  return html + conformitySection(c, task) +
+  return html + conformitySection(task) +
          format("<p class=\"small\">%zu trials, seed %llu%s</p></div>\n", r.trials,
                 static_cast<unsigned long long>(r.seed), r.stable ? "" : "; last digit not stable");
 }
 
+std::string conditionsSection(const Certificate& c) {
+  std::string html = "<h3>Conditions of the prediction</h3>\n<table class=\"facts\">";
+  for (const StatedFact& fact : conditionsOfPrediction(c)) html += factRow(fact.name, fact.text);
+  return html + "</table>\n";
+}
+
 std::string sessionSection(const CertifiedSession& s, const std::vector<StatedGroup>& groups) {
-  std::string html = sectionHead("Comparison with a session") + "<p>" + shown(s.path) + ": " +
+  std::string html = sectionHead("Comparison with a session") + "<p>" + escapedHtml(s.path) + ": " +
                      std::to_string(s.observations) + " observations, " +
                      (s.sameSession ? "those of the calibration itself" : "not used for the calibration") +
                      "." + (s.positioning.empty() ? "" : " Figures of axes by ISO 230-2:2014.") + "</p>\n";
@@ -237,14 +249,6 @@ const char* residualUnit(const Calibration& c) { return angularOnly(c) ? "arcsec
 std::string residualText(const Calibration& c, double v) {
   return std::isfinite(v) ? format("%.3g", v / (angularOnly(c) ? kArcsecond : kMicrometre))
                           : std::string("–");
-}
-
-/// Whether the model describes all that its session showed.
-std::string leftText(const Calibration& c) {
-  const double left = timesRepeatability(c.repeatabilityFrom, c.chi2PerDof);
-  if (!(left > 0.0)) return "not known: the repeatability was estimated from these residuals";
-  return format("%.2g times the repeatability", left) +
-         (left > kLeavesMore ? ": errors that this model does not describe remain" : "");
 }
 
 /// What ISO/TR 16907 asks to be told of a numerical compensation.
@@ -263,7 +267,7 @@ std::string compensationSection(const Calibration& c) {
                      " compensated (calculated), " +
                      residualText(c, angular ? c.heldOutRmsAngular : c.heldOutRms) + " " + residualUnit(c) +
                      " at measurements that the fit did not use") +
-         factRow("The model leaves", leftText(c)) + "</table>\n";
+         "</table>\n";
 }
 
 std::string historySection(const Calibration& c) {
@@ -297,12 +301,13 @@ std::string storeSection(const Certificate& c) {
   if (!c.store)
     return html +
            "<p>This calibration is not in a named store of calibrations: its active periods and "
-           "verifications "
+           "comparisons with fresh points "
            "are not recorded.</p>\n";
   const std::vector<StoreEvent>& events = c.store->events;
-  html += "<p>In the store " + shown(c.store->folder) + ". At the time of issue this calibration is " +
+  html += "<p>In the store " + escapedHtml(c.store->folder) + ". At the time of issue this calibration is " +
           (c.store->active ? "<b>active</b>" : "<b>not active</b>") + ".</p>\n";
-  if (events.empty()) return html + "<p>It has not been active there, and no verification is recorded.</p>\n";
+  if (events.empty())
+    return html + "<p>It has not been active there, and no comparison with fresh points is recorded.</p>\n";
   const std::size_t first = events.size() > kMostEvents ? events.size() - kMostEvents : 0;
   if (first > 0) html += format("<p class=\"small\">%zu earlier entries are not listed.</p>\n", first);
   html +=
@@ -313,18 +318,14 @@ std::string storeSection(const Certificate& c) {
     const StoreEvent& e = events[i];
     const bool own = e.id == c.calibration.id, use = startsWith(e.what, "made active");
     html += "<tr" + std::string(own ? " class=\"own\"" : "") + "><td class=\"when\">" + shown(e.time) +
-            "</td><td class=\"which\">" + (own ? "this one" : shown(e.id)) + "</td><td>" + shown(e.what) +
-            "</td><td class=\"when\">" + (use && e.until.empty() ? "today" : shown(e.until)) + "</td></tr>\n";
+            "</td><td class=\"which\">" + (own ? "this one" : shown(e.id)) + "</td><td>" +
+            escapedHtml(e.what) + "</td><td class=\"when\">" +
+            (use && e.until.empty() ? "today" : shown(e.until)) + "</td></tr>\n";
   }
   return html + "</tbody></table>\n";
 }
 
 std::string decisionSection(const Certificate& c) {
-  bool asked = false, decided = false;
-  for (const CertifiedTask& t : c.tasks) {
-    asked = asked || t.asked;
-    decided = decided || !t.verdicts.empty();
-  }
   return sectionHead("Uncertainty and decision rule") +
          "<p>U is the standard uncertainty multiplied by the coverage factor k = 2, which for a normal "
          "distribution corresponds to a coverage probability of about 95 %" +
@@ -335,36 +336,31 @@ std::string decisionSection(const Certificate& c) {
          ". It was found by propagating the "
          "distributions of all causes named through the measurement (JCGM 101:2008; the method of ISO/TS "
          "15530-4).</p><p>" +
-         (decided
-              ? "Conformity is stated according to ISO 14253-1:2017: conformity or nonconformity is stated "
-                "where its probability, considering the uncertainty, is 95 % or more; otherwise neither is "
-                "proven."
-          : asked ? "No statement of conformity is made, as the uncertainty of the reference is not stated."
-                  : "No specification was stated; no statement of conformity is made.") +
-         (decided && c.facts.traceability.empty() ? " The traceability of the reference is not stated: the "
-                                                    "statement holds relative to its stated values."
-                                                  : "") +
-         "</p>\n";
+         decisionRule(c) + "</p>\n";
 }
 
 }  // namespace
 
 std::string certificatePage(const Certificate& c) {
   const Calibration& k = c.calibration;
+  const std::string title = titleOf(c);
   std::string html =
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
       "content=\"width=device-width, initial-scale=1\">\n<meta http-equiv=\"Content-Security-Policy\" "
       "content=\"default-src "
       "'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'\">\n<link "
       "rel=\"icon\" "
-      "href=\"data:,\">\n<title>Calibration certificate " +
-      escapedHtml(numberOf(c)) + " – measuring machine certificate</title>\n<style>" +
-      certificateStyle(numberOf(c)) +
-      "</style>\n</head>\n<body>\n<main>\n<h1>Calibration certificate</h1>\n<p class=\"number\">No. " +
-      escapedHtml(numberOf(c)) + "</p>\n";
+      "href=\"data:,\">\n<title>" +
+      title + " " + escapedHtml(numberOf(c)) + " – measuring machine certificate</title>\n<style>" +
+      certificateStyle(isSimulated(k) ? title + ", " + kSimulatedNotice : title, numberOf(c)) +
+      "</style>\n</head>\n<body>\n<main>\n<h1>" + title + "</h1>\n" +
+      (isSimulated(k) ? std::string("<p class=\"verdict fails\">") + kSimulatedNotice + ".</p>\n"
+                      : std::string()) +
+      "<p class=\"number\">No. " + escapedHtml(numberOf(c)) + "</p>\n";
   html += itemSection(c) + referenceSection(c) + environmentSection(k);
   const std::vector<StatedGroup> groups = statedGroups(c);
-  html += sectionHead("Results: parameters of the machine, estimated from the measurements");
+  html += sectionHead("Results: parameters of the machine, estimated from the measurements") + "<p>" +
+          modelLeaves(k) + ".</p>\n";
   for (const StatedGroup& group : groups)
     if (group.origin == FigureOrigin::kEstimated) html += figureTable(group);
   if (c.session) html += sessionSection(*c.session, groups);
@@ -373,15 +369,17 @@ std::string certificatePage(const Certificate& c) {
             "<p>Each task was simulated on the machine that the calibration describes. None was measured, "
             "and these "
             "figures are no results of an acceptance test.</p>\n";
-    for (const CertifiedTask& task : c.tasks) html += taskSection(c, task);
+    html += conditionsSection(c);
+    for (const CertifiedTask& task : c.tasks) html += taskSection(task);
   }
   html += decisionSection(c);
   if (!c.curves.empty()) {
     html += sectionHead("Calculated: correction over the axes");
     for (const CorrectionCurve& curve : c.curves)
-      html += "<figure>" + correctionPlot(curve) + "<figcaption>Axis " + shown(curve.axis) +
-              ", the others in the middle of their ranges, travelling upwards; band: U (k = "
-              "2).</figcaption></figure>\n";
+      html +=
+          "<figure>" + correctionPlot(curve) + "<figcaption>Axis " + escapedHtml(curve.axis) +
+          ", the others in the middle of their ranges, travelling upwards; band: " + parameterUncertainty(k) +
+          ".</figcaption></figure>\n";
   }
   html += compensationSection(k) + historySection(k) + storeSection(c);
   html += "<section class=\"together\">" + sectionHead("Authenticity") + "<p>Calibration file: CRC-64 " +
@@ -396,8 +394,8 @@ std::string certificatePage(const Certificate& c) {
           "--sign</code>) "
           "is protected by a signature.</p>\n<div "
           "class=\"sign\"><div>Date</div><div>" +
-          (c.facts.operatorName.empty() ? std::string("Signature")
-                                        : "Signature, " + shown(c.facts.operatorName)) +
+          (c.facts.authorisedBy.empty() ? std::string("Authorised by: not stated")
+                                        : "Authorised by: " + escapedHtml(c.facts.authorisedBy)) +
           "</div></div>\n</section>\n</main>\n</body>\n</html>\n";
   return html;
 }

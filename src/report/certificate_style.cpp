@@ -6,11 +6,11 @@ namespace mm {
 namespace {
 
 /// What stands at the foot of every printed page; the id may come from a foreign file.
-std::string footOfPage(const std::string& id) {
+std::string footOfPage(const std::string& title, const std::string& id) {
   std::string plain;
   for (const char c : id)
     if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-') plain += c;
-  return "@page { @bottom-left { content: \"Calibration certificate " + plain +
+  return "@page { @bottom-left { content: \"" + title + " " + plain +
          "\"; font: 8pt sans-serif; color: #444c56; } }\n";
 }
 
@@ -41,7 +41,7 @@ td.share { width: 52mm; white-space: nowrap; }
 .verdict { border-left: 1.2mm solid #6b7683; padding: 1mm 0 1mm 3mm; margin: 2mm 0; }
 .conforms { border-color: #2d7d46; } .fails { border-color: #b3261e; } .open { border-color: #b07d00; }
 .task { margin-bottom: 5mm; } h3 { font-size: 10.5pt; margin: 4mm 0 1mm; break-after: avoid; }
-.wide { margin-bottom: 4mm; } .wide th { white-space: nowrap; }
+.wide { margin-bottom: 4mm; } .wide th, .wide td:last-child { white-space: nowrap; } .wide th.u { white-space: normal; text-align: right; padding-left: 3mm; }
 .tests td, .tests th { font-size: 8.5pt; padding: .5mm 2mm .5mm 0; white-space: nowrap; }
 p { margin: 1.5mm 0; } .small { font-size: 9pt; color: #444c56; }
 .sign { display: flex; margin-top: 14mm; break-inside: avoid; } .sign div + div { margin-left: 12mm; } .sign div { flex: 1; border-top: .3mm solid #444c56; padding-top: 1mm; font-size: 9pt; }
@@ -52,6 +52,8 @@ p { margin: 1.5mm 0; } .small { font-size: 9pt; color: #444c56; }
 
 }  // namespace
 
-std::string certificateStyle(const std::string& id) { return kStyle + footOfPage(id); }
+std::string certificateStyle(const std::string& title, const std::string& id) {
+  return kStyle + footOfPage(title, id);
+}
 
 }  // namespace mm

@@ -11,11 +11,11 @@
 #include "base/units.h"
 #include "base/utc_now.h"
 #include "base/version.h"
+#include "report/certificate_facts.h"
 #include "report/certificate_figures.h"
 #include "report/certificate_seal.h"
 #include "report/dcc_contents.h"
 #include "report/dsi_unit.h"
-#include "verification/trend.h"
 
 namespace mm {
 namespace {
@@ -120,7 +120,7 @@ void addCoreData(XMLElement& data, const Certificate& c) {
                     kDccFileChecksum);
   if (!k.sessionHash.empty()) addIdentification(ids, "calibrationLaboratory", k.sessionHash, kDccSessionHash);
   const std::string issued = c.facts.issued.empty() ? utcNow() : c.facts.issued;
-  const std::string measured = measuredAt(k);
+  const std::string measured = dateOfMeasurement(k);
   for (const char* date : {"dcc:beginPerformanceDate", "dcc:endPerformanceDate"})
     addLeaf(core, date, dateOf(measured.empty() ? issued : measured));
   addLeaf(core, "dcc:performanceLocation", "other");
@@ -137,6 +137,10 @@ XMLElement& addStatement(XMLElement& list, const std::string& name) {
   return statement;
 }
 
+void addDeclaration(XMLElement& list, const std::string& name, const std::string& text) {
+  addText(addStatement(list, name), "dcc:declaration", text);
+}
+
 std::string rangesOf(const Domain& d) {
   std::string text;
   for (std::size_t j = 0; j < d.joints.size(); ++j) {
@@ -146,7 +150,8 @@ std::string rangesOf(const Domain& d) {
             rangeText(d.lower[j] / unit, d.upper[j] / unit, rotary ? "deg" : "mm");
   }
   for (std::size_t v = 0; v < d.covariates.size(); ++v)
-    text += "; " + d.covariates[v] + " " + rangeText(d.covariateLower[v], d.covariateUpper[v], "");
+    text += "; " + d.covariates[v] + " " +
+            rangeText(d.covariateLower[v], d.covariateUpper[v], covariateUnit(d.covariates[v]));
   return text;
 }
 
@@ -159,30 +164,46 @@ void addStatements(XMLElement& data, const Certificate& c) {
           "Expanded uncertainty: the standard uncertainty multiplied by the coverage factor k = 2, which for "
           "a normal "
           "distribution corresponds to a coverage probability of about 95 %.");
-  XMLElement& traceability = addStatement(list, "metrological traceability of the reference");
-  if (!c.facts.traceability.empty()) addLeaf(traceability, "dcc:traceable", "true");
-  addText(traceability, "dcc:declaration", c.facts.traceability);
+  addDeclaration(list, "metrological traceability of the reference", c.facts.traceability);
+  if (isSimulated(c.calibration)) addDeclaration(list, "origin of the session", kSimulatedNotice);
+  addDeclaration(list, "decision rule", decisionRule(c));
+  if (dateOfMeasurement(c.calibration).empty())
+    addDeclaration(list, "date of measurement",
+                   "date of measurement not recorded; the dates of performance are that of issue");
+  addDeclaration(list, "scope of the results", scopeOfResults(c.calibration));
+  if (c.calibration.domain.sensors.empty()) addDeclaration(list, "temperature", "not recorded");
+  if (!c.tasks.empty())
+    for (const StatedFact& fact : conditionsOfPrediction(c))
+      addDeclaration(list, "condition of the prediction: " + fact.name, fact.text);
   addText(addStatement(list, "range of validity"), "dcc:declaration", rangesOf(c.calibration.domain));
   for (const Wandering& w : c.calibration.drift)
     addText(addStatement(list, timesRecorded(c.calibration.domain) ? "drift seen" : "variation seen"),
             "dcc:declaration", driftText(c.calibration.domain, w));
+  addText(addStatement(list, "model"), "dcc:declaration", modelLeaves(c.calibration));
   for (const CertifiedTask& task : c.tasks) {
     for (const std::string& why : task.result.outside)
       addText(addStatement(list, "validity: " + task.result.task), "dcc:declaration",
               "The calibration does not hold " + why);
     if (task.asked && task.verdicts.empty())
       addText(addStatement(list, "conformity: " + task.result.task), "dcc:declaration",
-              "No statement of conformity: " + joined(c.notStated, "; "));
+              "No statement of conformity: " + joined(task.noConformity, "; "));
     for (const TaskVerdict& v : task.verdicts) {
-      XMLElement& statement = addStatement(list, "conformity: " + task.result.task);
+      XMLElement& statement =
+          addStatement(list, (v.measured ? "conformity: " : "prediction: ") + task.result.task);
       addLeaf(statement, "dcc:norm", "ISO 14253-1:2017");
-      addText(statement, "dcc:declaration",
-              (task.measured ? "Of a measured value: " : "Predicted, no test was made: ") + v.inWords);
-      if (task.measured && v.conformity != Conformity::kUndecided)  // a program reads this, and no words
+      addText(statement, "dcc:declaration", headOf(task, v) + ": " + v.inWords);
+      if (v.measured && v.conformity != Conformity::kUndecided)  // a program reads this, and no words
         addLeaf(statement, "dcc:conformity", v.conformity == Conformity::kConforms ? "pass" : "fail");
     }
   }
   if (!c.facts.remark.empty()) addText(addStatement(list, "remark"), "dcc:declaration", c.facts.remark);
+}
+
+XMLElement& addPerson(XMLElement& list, const std::string& name, const char* role) {
+  XMLElement& person = add(list, "dcc:respPerson");
+  addText(add(person, "dcc:person"), "dcc:name", name);
+  addLeaf(person, "dcc:role", role);
+  return person;
 }
 
 void addAdministrativeData(XMLElement& root, const Certificate& c, bool toBeSigned) {
@@ -195,9 +216,10 @@ void addAdministrativeData(XMLElement& root, const Certificate& c, bool toBeSign
   XMLElement& laboratory = add(data, "dcc:calibrationLaboratory");
   addContact(laboratory, "dcc:contact", c.facts.laboratory, c.facts.place);
   addLeaf(laboratory, "dcc:cryptElectronicSignature", toBeSigned ? "true" : "false");
-  XMLElement& person = add(add(data, "dcc:respPersons"), "dcc:respPerson");
-  addText(add(person, "dcc:person"), "dcc:name", c.facts.operatorName);
-  addLeaf(person, "dcc:mainSigner", "true");
+  XMLElement& persons = add(data, "dcc:respPersons");
+  addPerson(persons, c.facts.operatorName, "operator");
+  if (!c.facts.authorisedBy.empty())
+    addLeaf(addPerson(persons, c.facts.authorisedBy, "authorised by"), "dcc:mainSigner", "true");
   addContact(data, "dcc:customer", c.facts.customer, "");
   addStatements(data, c);
 }
@@ -206,7 +228,7 @@ void addAdministrativeData(XMLElement& root, const Certificate& c, bool toBeSign
 void addQuantity(XMLElement& parent, const char* element, const StatedFigure& f) {
   XMLElement& quantity = add(parent, element);
   addText(quantity, "dcc:name", f.of.empty() ? f.name : f.of + ": " + f.name);
-  if (f.held) addText(quantity, "dcc:description", "held by a convention, without an uncertainty");
+  if (!f.note.empty()) addText(quantity, "dcc:description", f.note);
   const std::optional<std::string> unit = dsiUnit(f.unit);
   if (!unit) {
     addText(quantity, "dcc:noQuantity",
@@ -216,6 +238,9 @@ void addQuantity(XMLElement& parent, const char* element, const StatedFigure& f)
   XMLElement& real = add(quantity, "si:real");
   addLeaf(real, "si:value", f.value);
   addLeaf(real, "si:unit", *unit);
+  if (!f.standard.empty())
+    addLeaf(add(add(real, "si:measurementUncertaintyUnivariate"), "si:standardMU"), "si:valueStandardMU",
+            f.standard);
   if (f.expanded.empty()) return;
   XMLElement& expanded = add(add(real, "si:measurementUncertaintyUnivariate"), "si:expandedMU");
   addLeaf(expanded, "si:valueExpandedMU", f.expanded);

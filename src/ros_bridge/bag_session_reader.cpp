@@ -113,7 +113,13 @@ class NamespacedSessions {
 
   void take(const BagMessage& raw) {
     const auto [known, fresh] = topics_.try_emplace(raw.connection->topic);
-    if (fresh) known->second = splitTopic(*raw.connection);
+    if (fresh) {
+      known->second = splitTopic(*raw.connection);
+      const std::string& caller = raw.connection->caller;
+      byUs_ = byUs_ || caller == kBagWriterName;
+      byOthers_ = byOthers_ || (!caller.empty() && caller != kBagWriterName) ||
+                  known->second.topic == "/imported_from";
+    }
     if (known->second.topic.empty()) return;
     One& one = all_.try_emplace(known->second.space, source_).first->second;
     if (!one.wrong.empty()) return;
@@ -143,6 +149,9 @@ class NamespacedSessions {
       if (!one.wrong.empty()) throw InputError(one.wrong);
     return nullptr;
   }
+
+  /// Whether this package wrote the bag without a file that it imported.
+  bool simulated() const { return byUs_ && !byOthers_; }
 
  private:
   struct One {
@@ -194,6 +203,7 @@ class NamespacedSessions {
   std::string source_;
   std::map<std::string, SessionTopic> topics_;
   std::map<std::string, One> all_;
+  bool byUs_ = false, byOthers_ = false;
 };
 
 /// See bagSpace, of one bag.
@@ -227,6 +237,7 @@ Session readSessionBag(const std::filesystem::path& file, const ProgressCallback
   }
   if (!collector->hasMachine() && fallback != nullptr) collector->setMachine(*fallback);
   Session session = collector->build();
+  session.simulated = sessions.simulated();
   assumeTravel(session);
   if (!bag.damage().empty())
     session.warning = bag.damage() + (session.warning.empty() ? "" : "; " + session.warning);

@@ -180,6 +180,7 @@ Session joined(std::vector<Session> sessions) {
     const bool several = !s.recordings.empty();  // its placements and setups are told by session already
     const std::string own = namesIn.count(nameOf(s)) > 1 ? s.source : nameOf(s);
     out.source += (r > 0 ? ":" : "") + s.source;
+    out.simulated = out.simulated || s.simulated;
     for (Recording part : partsOf(s)) {
       part.begin += begins[r];
       out.recordings.push_back(std::move(part));

@@ -142,6 +142,7 @@ struct Session {
   std::vector<std::string> placements;
   std::vector<Recording> recordings;    // in the order of time; empty: this is one session
   double epoch = 0.0;                   // s, stamp of the session's start (t = 0)
+  bool simulated = false;               // nobody measured it
   std::string source;                   // path, for messages
   std::string warning;                  // e.g. "read up to the damage at message 812"; empty: none
   ControllerCompensation compensation;  // that was active; errors are what remained beside it

@@ -205,7 +205,6 @@ std::vector<CertifiedTask> certifiedTasks(CertificateCommand& c, const Calibrati
     task.result = taskUncertaintyOf(calibration, options);
     task.verdicts = verdictsOf(task.result, options.asked());
     task.asked = !task.verdicts.empty();
-    task.measured = std::isfinite(options.measuredMm);
     tasks.push_back(std::move(task));
   }
   return tasks;
@@ -253,22 +252,6 @@ void listIssue(const CertificateCommand& c, const Certificate& certificate) {
   withStore(certificate, [&](const CalibrationStore& store) {
     store.noteIssue({number.stamp, number.calibration, formOf(c.output), number.count});
   });
-}
-
-/// Without the uncertainty of the reference there are results, but no conformity.
-void decideConformity(Certificate& certificate, const TaskConditions& conditions) {
-  certificate.scaleStd = conditions.artifactScale;
-  certificate.radiusStd = conditions.artifactRadius;
-  certificate.notStated = uncertaintyNotStated(certificate.calibration, conditions);
-  if (certificate.notStated.empty()) return;
-  bool asked = false;
-  for (CertifiedTask& task : certificate.tasks) {
-    asked = asked || task.asked;
-    task.verdicts.clear();
-  }
-  if (asked)
-    std::cerr << "mm: warning: no statement of conformity: " << joined(certificate.notStated, "; ")
-              << std::endl;
 }
 
 /// The certificate as the file that was asked for.
@@ -321,7 +304,9 @@ void runCertificate(CertificateCommand& c, int& exitStatus) {
       !c.facts.serial.empty() ? c.facts.serial : serialOf(Machine(calibration.urdf, calibration.machineName));
   if (!c.bag.empty()) certificate.session = heldAgainst(c, calibration);
   certificate.tasks = certifiedTasks(c, calibration);
-  decideConformity(certificate, c.uncertainty.conditionsFor(calibration.domain));
+  certificate.conditions = c.uncertainty.conditionsFor(calibration.domain);
+  certificate.points = c.uncertainty.points.points;
+  decideConformity(certificate, certificate.conditions);
   certificate.curves = correctionCurves(calibration);
   IssueNumber before;
   if (kindOf(c.output) == FileKind::kCertificate)
@@ -338,8 +323,12 @@ void runCertificate(CertificateCommand& c, int& exitStatus) {
   else
     std::cout << "SHA-256 " << checkCertificate(content, c.output).sha256 << '\n';
   for (const CertifiedTask& task : certificate.tasks) {
-    for (const std::string& why : task.result.outside)
-      std::cerr << "mm: warning: " << task.result.task << ": the calibration does not hold " << why << '\n';
+    if (task.asked && !task.noConformity.empty())
+      std::cerr << "mm: warning: " << task.result.task
+                << ": no statement of conformity: " << joined(task.noConformity, "; ") << '\n';
+    else
+      for (const std::string& why : task.result.outside)
+        std::cerr << "mm: warning: " << task.result.task << ": the calibration does not hold " << why << '\n';
     if (!task.result.outside.empty() || (task.asked && task.verdicts.empty())) exitStatus = kAnswerIsNo;
     for (const TaskVerdict& v : task.verdicts)
       if (v.conformity != Conformity::kConforms) exitStatus = kAnswerIsNo;
@@ -367,6 +356,8 @@ void addCertificateCommand(CLI::App& app, int& exitStatus) {
       "with --check: the issuer's public key or X.509 certificate (PEM), to compare the signature with");
   command->add_option("--serial", c->facts.serial, "serial number (default: <serial> of the machine's URDF)");
   command->add_option("--operator", c->facts.operatorName, "who calibrated");
+  command->add_option("--authorised-by", c->facts.authorisedBy,
+                      "who authorises the certificate and signs it");
   command->add_option("--laboratory", c->facts.laboratory, "laboratory that issues the certificate");
   command->add_option("--customer", c->facts.customer, "for whom");
   command->add_option("--place", c->facts.place, "where, with the country's code at its end: \"Jena, DE\"");
@@ -386,6 +377,8 @@ void addCertificateCommand(CLI::App& app, int& exitStatus) {
   command->footer(
       "The last line of a PDF or HTML file is the SHA-256 of everything before it; an XML file is\n"
       "protected by its signature. Conformity is stated only where the uncertainty of the artifact is.\n"
+      "It is a record of calibration where laboratory, serial number, customer, operator, traceability or\n"
+      "date of measurement is not known.\n"
       "Examples:\n"
       "  mm certificate c.yaml s.bag -o certificate.pdf --operator \"E. Abbe\" --traceability \"ball plate "
       "17, PTB 2026-03\" --mpe 1.5,250\n"

@@ -1,5 +1,6 @@
 #include "uncertainty/task_verdict.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
@@ -9,24 +10,35 @@
 namespace mm {
 namespace {
 
-/// "value 0.42 um (u = 0.10 um), limit 1.2 um, acceptance to 1.04 um: conforms"
+/// Of a value that nobody measured nothing conforms.
+std::string verdictWord(const TaskVerdict& v) {
+  if (v.measured || v.conformity == Conformity::kUndecided) return nameOf(v.conformity);
+  return v.conformity == Conformity::kConforms ? "predicted to keep the limit"
+                                               : "predicted to exceed the limit";
+}
+
+/// Figures with the digits of their standard uncertainty, of which two are given: "largest |E|: predicted to
+/// keep the limit; 0.42 um, limit 1.2 um, standard uncertainty 0.10 um, accepted up to 1.04 um".
 std::string judgementInWords(const TaskVerdict& v, double nominal, bool oneSided) {
-  const auto um = [&](double value) { return format("%.3g um", (value - nominal) / kMicrometre); };
-  std::string text = v.of + ": " + nameOf(v.conformity) + "; ";
-  text += oneSided ? um(v.value) + ", limit " + um(v.limits.upper)
-                   : format("%+.3g um from nominal, tolerance +-%.3g um", (v.value - nominal) / kMicrometre,
-                            (v.limits.upper - nominal) / kMicrometre);
-  text += format(", standard uncertainty %.2g um, ", v.std / kMicrometre);
+  const double u = v.std / kMicrometre, limit = (v.limits.upper - nominal) / kMicrometre;
+  const int decimals = u > 0.0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(u))), 0, 9) : 3;
+  const auto um = [&](double value) { return format("%.*f um", decimals, (value - nominal) / kMicrometre); };
+  std::string text = v.of + ": " + verdictWord(v) + "; ";
+  text += oneSided ? um(v.value) + format(", limit %.3g um", limit)
+                   : format("%+.*f um from nominal, tolerance +-%.3g um", decimals,
+                            (v.value - nominal) / kMicrometre, limit);
+  text += format(", standard uncertainty %.*f um, ", decimals, u);
   if (!v.acceptance.exists || (oneSided && v.acceptance.upper < nominal))
     return text + "which is too large for this tolerance: no value can conform";
   return text + (oneSided ? "accepted up to " : "accepted within +-") + um(v.acceptance.upper);
 }
 
-TaskVerdict judged(const QuantityUncertainty& q, double value, double tolerance) {
+TaskVerdict judged(const QuantityUncertainty& q, double value, double tolerance, bool measured = false) {
   TaskVerdict v;
   v.of = q.quantity.name;
   v.value = value;
   v.std = q.std;
+  v.measured = measured;
   v.limits.upper = q.quantity.nominal + tolerance;
   if (!q.quantity.oneSided) v.limits.lower = q.quantity.nominal - tolerance;
   v.conformity = judge(value, q.std, v.limits);
@@ -56,7 +68,7 @@ TaskVerdict judgedLengths(const TaskUncertainty& result, const PermissibleError&
     whole = format("; the test with every length three times would pass with a probability of %.1f %%",
                    100.0 * result.passes);
   }
-  worst.inWords = "MPE = " + permissible.inWords() + " (L in mm): " + nameOf(worst.conformity) + whole +
+  worst.inWords = "MPE = " + permissible.inWords() + " (L in mm): " + verdictWord(worst) + whole +
                   "; of all lengths nearest to failing: " + worst.inWords;
   return worst;
 }
@@ -83,9 +95,10 @@ std::vector<TaskVerdict> verdictsOf(const TaskUncertainty& result, const Toleran
   const QuantityUncertainty& headline = result.quantities[result.headline];
   if (std::isfinite(asked.measured) && !std::isfinite(asked.tolerance))
     throw InputError("--measured-mm needs a tolerance: --tolerance-um");
+  const bool measured = std::isfinite(asked.measured);
   if (std::isfinite(asked.tolerance))
     verdicts.push_back(
-        judged(headline, std::isfinite(asked.measured) ? asked.measured : headline.mean, asked.tolerance));
+        judged(headline, measured ? asked.measured : headline.mean, asked.tolerance, measured));
   if (asked.permissible) {
     if (testLengthsOf(result).empty())
       throw InputError("--mpe is for lengths, of which --task '" + result.task +

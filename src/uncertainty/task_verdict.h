@@ -24,6 +24,7 @@ struct TaskVerdict {
   double probability = 1.0;       // that the true value is within the limits
   Specification limits;           // m
   AcceptanceZone acceptance;      // m
+  bool measured = false;          // on a value that was found; else on the one that is to be expected
   std::string inWords;
 };
 

@@ -10,6 +10,7 @@
 #include "base/dense.h"
 #include "base/error.h"
 #include "base/units.h"
+#include "session/copied_rows.h"
 #include "session/plan_selection.h"
 #include "verification/loading_evidence.h"
 
@@ -96,9 +97,16 @@ std::vector<std::size_t> verificationMoves(const Plan& plan, const Calibration& 
   Session session = plannedSession(plan, machine, &moves);
   addInputs(calibration.domain, session);
   session.prepare();
-  if (session.observations.size() != moves.size())
-    throw InputError(plan.source + ": " + std::to_string(moves.size() - session.observations.size()) +
-                     " of its moves give no usable measurement; mm check shows which");
+  for (const SetAside& s :
+       session.setAside)  // the repetition of a touch is planned to the bit: it is taken once
+    if (s.field != kCopiedRow)
+      throw InputError(plan.source + ":" +
+                       std::to_string(plan.moves[moves[static_cast<std::size_t>(s.row - 1)]].line) +
+                       ": gives no usable measurement: " + s.why);
+  std::vector<std::size_t> usable;
+  for (const Observation& o : session.observations)
+    usable.push_back(moves[static_cast<std::size_t>(o.row - 1)]);
+  moves = std::move(usable);
   CalibrateOptions options;
   if (!(calibration.repeatability > 0.0)) options.repeatability = kMicrometre;
   const FreshPoints points(session, calibration, options, 0);

@@ -75,6 +75,7 @@ Recalibration refit(const Session& session, const Calibration& calibration,
   done.calibration = toCalibration(done.result, calibration.machineName);
   done.calibration.sessionSpace = calibration.sessionSpace;
   done.calibration.toldSpace = calibration.toldSpace;
+  if (!calibration.sessionOrigin.empty()) done.calibration.sessionOrigin = calibration.sessionOrigin;
   done.calibration.ledger = calibration.ledger;
   done.calibration.ledger.push_back(
       entryOf(action, effect, base.figures, done.result.figures, calibration.id, session));
@@ -236,6 +237,9 @@ Calibration toCalibration(const CalibrationResult& result, const std::string& ma
   for (const Recording& r : session.recordings) c.sessionParts.push_back({r.source, r.hash});
   c.sessionSource = session.source;
   c.sessionHash = sessionHash(session);
+  constexpr double kEarliest = 1.2e9;  // s; stamps from before 2008 have the made-up date of an import
+  if (session.epoch > kEarliest) c.sessionEpoch = session.epoch;
+  if (session.simulated) c.sessionOrigin = "simulated";
   c.compensation = session.compensation;
   c.method = nameOf(result.method);
   c.seed = result.seed;

@@ -155,6 +155,7 @@ TEST_F(CommandLine, ANewMachineWithANewPlanIsExplained) {
   EXPECT_EQ(answer.status, 0) << answer.error;
   EXPECT_NE(answer.error.find("Nothing is missing"), std::string::npos) << answer.error;
   EXPECT_NE(answer.error.find("repeated measurements"), std::string::npos) << answer.error;
+  run("plan verify own_plan.yaml --calibration own_end.yaml -o own_verify.yaml");  // repeats and all
 }
 
 TEST_F(CommandLine, ANewPlanForAnInstrumentStaysWithinTheTravels) {

@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 std::string withoutNumber(const std::string& text) {
   static const std::regex number(
       "-[0-9]{8}T[0-9]{9}Z-[0-9]+"
-      "|<th>Replaces</th><td>[^<]*"
+      "|<tr><th>Replaces</th><td>[^<]*</td></tr>\n"
       "|[ \n]{0,40}<dcc:reportAmendedSubstituted>[^/]*/[^/]*/[^/]*/dcc:reportAmendedSubstituted>");
   return std::regex_replace(text, number, "");
 }

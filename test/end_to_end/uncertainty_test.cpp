@@ -65,10 +65,12 @@ TEST_F(Certificates, ArePagesThatACheckAcceptsAndARefusalProtects) {
   const Answer made = typed(
       "certificate c.yaml s.bag -o cert.html --operator 'E. Abbe' --serial M-17 --task "
       "distance:-10,0,0:10,0,0 "
-      "--trials 2000 --tolerance-um 100 --artifact-scale-um-m 1");
+      "--trials 2000 --tolerance-um 100 --artifact-scale-um-m 1 --authorised-by 'C. Zeiss' --interval-s 60");
   ASSERT_EQ(made.status, 0) << made.error;
   const std::string page = textOf(*folder_ / "cert.html");
-  for (const char* part : {"E. Abbe", "M-17", "those of the calibration itself", "ISO 230-2", "conforms"})
+  for (const char* part :
+       {"E. Abbe", "M-17", "those of the calibration itself", "ISO 230-2", "predicted to keep the limit",
+        "Authorised by: C. Zeiss", "60 s, stated by the issuer; usual: 5 s"})
     EXPECT_NE(page.find(part), std::string::npos) << part;
   const Answer checked = typed("certificate --check cert.html");
   EXPECT_EQ(checked.status, 0) << checked.error;
@@ -121,7 +123,7 @@ TEST_F(Certificates, StateNoConformityWithoutTheUncertaintyOfTheReference) {
   EXPECT_NE(made.error.find("--artifact-scale-um-m"), std::string::npos) << made.error;
   const std::string page = textOf(*folder_ / "results.html");
   EXPECT_NE(page.find("No statement of conformity"), std::string::npos);
-  EXPECT_EQ(page.find("conforms;"), std::string::npos);
+  EXPECT_EQ(page.find("predicted to keep the limit"), std::string::npos);
   std::filesystem::remove(*folder_ / "results.html");
 }
 
@@ -272,7 +274,7 @@ TEST_F(Certificates, AreSealedAsPdf) {
                                        .c_str());
     return Answer{WEXITSTATUS(status), {}, textOf(error)};
   };
-  printer("grep -q '<h1>Calibration certificate' \"$2\" && printf '%%PDF-1.4\\n%%%%EOF\\n' >\"$3\"");
+  printer("grep -q '<h1>Record of calibration' \"$2\" && printf '%%PDF-1.4\\n%%%%EOF\\n' >\"$3\"");
   const Answer made = printed(task);
   EXPECT_EQ(made.status, 0) << made.error;
   EXPECT_EQ(textOf(*folder_ / "cert.pdf").substr(0, 5), "%PDF-");

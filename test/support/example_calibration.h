@@ -56,6 +56,7 @@ inline Calibration exampleCalibration(double rms = 0.31e-6) {
   c.sessionSource = "plate session.bag";
   c.sessionHash = "00ff";
   c.sessionEpoch = 1000000012.5;
+  c.sessionOrigin = "simulated";
   c.method = "staged_mutation";
   c.seed = 18446744073709551615ull;
   c.observations = 16310;

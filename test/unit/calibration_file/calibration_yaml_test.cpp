@@ -99,6 +99,7 @@ TEST(CalibrationYaml, roundTripsEveryFieldToTheBit) {
   EXPECT_EQ(r.covariance, c.covariance);
   EXPECT_EQ(r.seed, c.seed);
   EXPECT_EQ(r.sessionEpoch, c.sessionEpoch);
+  EXPECT_EQ(r.sessionOrigin, "simulated");
   ASSERT_EQ(r.values.size(), 3u);
   for (int i = 0; i < 3; ++i) {
     EXPECT_TRUE(sameBits(r.values[i].value, c.values[i].value));

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "compensation_support.h"
 #include "model/model_spec.h"
+#include "report/certificate_figures.h"
 #include "report/certificate_issue.h"
 #include "report/certificate_plots.h"
 #include "report/certificate_seal.h"
@@ -55,13 +56,108 @@ TEST(Certificate, SaysWhatACertificateMust) {
   for (const char* part :
        {"20260301T093000Z-00c0ffee", "M-17", "E. Abbe", "D-K-15070 &amp; 2026", "plate &lt;no. 7&gt;",
         "U = 0.4 µm (k = 2), in the results", "taken as exact", "distance:-10,0,0:10,0,0", "k = 2",
-        "ISO 14253-1", "conforms", "scale of x (EXX)", "w-b-X-Y-Z-t", "bidirectional: Y; ",
+        "ISO 14253-1", "Predicted, no test was made: distance: predicted to keep the limit; ",
+        "2 s of the fit; reference not included", "scale of x (EXX)", "w-b-X-Y-Z-t", "bidirectional: Y; ",
         "repeatability of the probe", "18 to 26 °C", "<svg"})
     EXPECT_NE(page.find(part), std::string::npos) << part;
   EXPECT_EQ(page.find("<no. 7>"), std::string::npos);
   EXPECT_EQ(page.find("<script"), std::string::npos);
   EXPECT_EQ(page.find("http://"), std::string::npos);
   EXPECT_EQ(page.find("nan"), std::string::npos);
+  // Nothing conforms that nobody measured.
+  EXPECT_EQ(page.find("verdict conforms"), std::string::npos);
+  EXPECT_EQ(page.find(": conforms"), std::string::npos);
+  Certificate stated = c;
+  stated.calibration.artifact->radiusStd = 0.1e-6;
+  EXPECT_EQ(certificatePage(stated).find("reference not included"), std::string::npos);
+}
+
+TEST(Certificate, AMeasuredValueConformsAsItsIssuerStatesIt) {
+  Certificate c = exampleCertificate();
+  ToleranceAsked asked;
+  asked.tolerance = 100e-6;
+  asked.measured = 20e-3;
+  c.tasks[0].verdicts = verdictsOf(c.tasks[0].result, asked);
+  const std::string page = certificatePage(c);
+  for (const char* part :
+       {"verdict conforms", "Of the measured value that the issuer states: distance: conforms; "})
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+}
+
+// The largest of many errors is not symmetric about its mean: its interval says more than a U.
+TEST(Certificate, OneSidedFiguresHaveAnInterval) {
+  Certificate c = exampleCertificate();
+  QuantityUncertainty& q = c.tasks[0].result.quantities[0];
+  q.quantity.oneSided = true;
+  q.mean = 1.2e-6;
+  q.std = 0.3e-6;
+  q.lower = 0.9e-6;
+  q.upper = 2.0e-6;
+  const StatedFigure figure = taskFigures(c.tasks[0]).figures.at(0);
+  EXPECT_EQ(figure.value, "1.20");
+  EXPECT_EQ(figure.expanded, "");
+  EXPECT_EQ(figure.standard, "0.30");
+  EXPECT_NE(certificatePage(c).find("95 %: 0.90 … 2.00"), std::string::npos);
+}
+
+TEST(Certificate, PrintsWhatWasTypedAsItIs) {
+  Certificate c = exampleCertificate();
+  c.facts.remark = "5 um of degC";
+  c.calibration.sessionSource = "a um.bag";
+  const std::string page = certificatePage(c);
+  for (const char* part : {"5 um of degC", "a um.bag"}) EXPECT_NE(page.find(part), std::string::npos) << part;
+}
+
+TEST(Certificate, NamesWhatTheIssuerStatedToChangeU) {
+  Certificate c = exampleCertificate();
+  c.conditions.repeatability = 0.1e-6;
+  c.conditions.margin = 0.5;
+  c.conditions.temperatures = {{c.calibration.domain.sensors.at(0), 21.5, 0.2}};
+  c.conditions.travel = {{"x", -1.0}};
+  c.points = 25;
+  const std::string page = certificatePage(c);
+  for (const char* part :
+       {"0.100 µm, stated by the issuer; calibration: 0.300 µm", "50 %, stated by the issuer; usual: 10 %",
+        "21.50 °C, standard uncertainty 0.2 K, stated by the issuer; middle of the calibrated range: 22.00 "
+        "°C",
+        "-1, stated by the issuer; usual: +1", "25, stated by the issuer", "<td>5 s</td>"})
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  EXPECT_EQ(certificatePage(exampleCertificate()).find("stated by the issuer; "), std::string::npos);
+}
+
+TEST(Certificate, IsARecordWhereItDoesNotSayAll) {
+  Certificate c = exampleCertificate();
+  std::string page = certificatePage(c);
+  for (const char* part :
+       {"<h1>Record of calibration</h1>", "<th>Date of measurement</th><td>not recorded</td>",
+        "Authorised by: not stated", "The results relate only to the item calibrated."})
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  c.facts.laboratory = "L & Co";
+  c.facts.customer = "The customer";
+  c.facts.authorisedBy = "C. Zeiss";
+  c.calibration.sessionEpoch = 1767225600.0;
+  c.calibration.artifact->serial = "P-4";
+  page = certificatePage(c);
+  for (const char* part :
+       {"<h1>Calibration certificate</h1>", "<th>Date of measurement</th><td>2026-01-01T00:00:00Z</td>",
+        "Authorised by: C. Zeiss", "<th>Serial number of the artifact</th><td>P-4</td>"})
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  c.facts.traceability = "unknown";
+  EXPECT_NE(certificatePage(c).find("<h1>Record of calibration</h1>"), std::string::npos);
+}
+
+TEST(Certificate, OfASimulationIsNone) {
+  Certificate c = exampleCertificate();
+  c.calibration.artifact->radiusStd = 0.1e-6;
+  EXPECT_EQ(certificatePage(c).find("SIMULATED"), std::string::npos);
+  c.calibration.sessionOrigin = "simulated";
+  decideConformity(c, {});
+  EXPECT_TRUE(c.tasks[0].verdicts.empty());
+  EXPECT_EQ(c.tasks[0].noConformity, std::vector<std::string>{"the session is simulated"});
+  const std::string page = certificatePage(c);
+  for (const char* part : {"<p class=\"verdict fails\">SIMULATED: not a calibration of a machine",
+                           "content: \"Record of calibration, SIMULATED: not a calibration of a machine"})
+    EXPECT_NE(page.find(part), std::string::npos) << part;
 }
 
 TEST(Certificate, SaysWhetherTheModelLeavesMoreThanTheRepeatability) {
@@ -69,7 +165,8 @@ TEST(Certificate, SaysWhetherTheModelLeavesMoreThanTheRepeatability) {
   c.calibration.repeatabilityFrom = "declared";
   c.calibration.chi2PerDof = 9.0;
   const char* const kRemain = "errors that this model does not describe remain";
-  EXPECT_NE(certificatePage(c).find(std::string("3 times the repeatability: ") + kRemain), std::string::npos);
+  EXPECT_NE(certificatePage(c).find(std::string("3.0 times the repeatability: ") + kRemain),
+            std::string::npos);
   c.calibration.chi2PerDof = 1.0;
   EXPECT_EQ(certificatePage(c).find(kRemain), std::string::npos);
   c.calibration.chi2PerDof = 9.0;
@@ -109,7 +206,8 @@ TEST(Certificate, TellsWhenItWasActiveAndWhatFreshPointsSaid) {
   EXPECT_EQ(c.store->events[2].what, "made active again");
   EXPECT_EQ(c.store->events[2].until, "");
   EXPECT_EQ(c.store->events[3].what,
-            "verified: no change, 3.12 ± 0.08 → 3.1 ± 0.06 um (k = 2) at 54 points (fresh a.bag)");
+            "compared with fresh points: no change, 3.12 ± 0.08 → 3.1 ± 0.06 µm (k = 2) at 54 points (fresh "
+            "a.bag)");
   const std::string page = certificatePage(c);
   for (const char* part : {"History of use", "<b>not active</b>", "this one", "made active again", "today",
                            "no change, 3.12 ± 0.08 → 3.1 ± 0.06 µm (k = 2) at 54 points (fresh a.bag)"})
@@ -172,7 +270,8 @@ TEST(Certificate, AnglesAreNotCalledMicrometres) {
   const std::string page = certificatePage(c);
   for (const char* part :
        {"before and after each step, in arcsec", "<td class=\"n\">13.8</td><td class=\"n\">1</td>",
-        "<td>RMS</td><td class=\"n\">13.8</td><td>arcsec</td>", "<td class=\"n\">1.25</td><td>arcsec</td>",
+        "<td>RMS</td><td class=\"n\">13.8</td><td class=\"n\">informative, without uncertainty</td>",
+        "<td class=\"n\">1.25</td><td class=\"n\">informative, without uncertainty</td><td>arcsec</td>",
         "step of the calibration"})
     EXPECT_NE(page.find(part), std::string::npos) << part;
   EXPECT_EQ(page.find("66.9"), std::string::npos) << "13.8 arcsec are 66.9 urad, no micrometres";
@@ -225,7 +324,7 @@ TEST(CertificateConformity, NeedsTheUncertaintyOfTheReference) {
   Certificate c = exampleCertificate();
   CalibratedBy& a = *c.calibration.artifact;
   TaskConditions conditions;
-  const auto missing = [&] { return uncertaintyNotStated(c.calibration, conditions); };
+  const auto missing = [&] { return uncertaintyNotStated(c.calibration, conditions, true); };
   a.centreStd = a.radiusStd = 0.0;
   ASSERT_EQ(missing().size(), 2U);
   EXPECT_NE(missing()[0].find("centre_std_um"), std::string::npos) << missing()[0];
@@ -243,6 +342,10 @@ TEST(CertificateConformity, NeedsTheUncertaintyOfTheReference) {
   EXPECT_NE(missing()[0].find("of b1 "), std::string::npos) << missing()[0];
   conditions.artifactScale = 1e-6;
   EXPECT_TRUE(missing().empty());
+  // A scale says nothing of the squareness of a plate.
+  ASSERT_EQ(uncertaintyNotStated(c.calibration, conditions, false).size(), 1U);
+  EXPECT_EQ(uncertaintyNotStated(c.calibration, conditions, false)[0].find("--artifact-scale-um-m"),
+            std::string::npos);
   // Points have no radius.
   a.found[0].ball = a.found[1].ball = false;
   a.radiusStd = a.centreStd = 0.0;
@@ -258,13 +361,34 @@ TEST(CertificateConformity, NeedsTheUncertaintyOfTheReference) {
   EXPECT_TRUE(missing().empty());
 
   c.scaleStd = 1e-6;
-  c.notStated = {"the uncertainty of <this> is not stated"};
+  c.tasks[0].noConformity = {"the uncertainty of <this> is not stated"};
   c.tasks[0].asked = true;
   c.tasks[0].verdicts.clear();
   const std::string page = certificatePage(c);
   EXPECT_NE(page.find("No statement of conformity: the uncertainty of &lt;this&gt;"), std::string::npos);
-  EXPECT_EQ(page.find("conforms;"), std::string::npos);
+  EXPECT_EQ(page.find("predicted to keep the limit"), std::string::npos);
   EXPECT_NE(page.find("U = 2 µm/m (k = 2), stated for the predicted results"), std::string::npos);
+}
+
+TEST(CertificateConformity, NeedsAModelAndACalibrationThatHold) {
+  const auto why = [](const Certificate& made) {
+    Certificate c = made;
+    c.calibration.artifact->radiusStd = 0.1e-6;
+    decideConformity(c, {});
+    EXPECT_EQ(c.tasks[0].verdicts.empty(), !c.tasks[0].noConformity.empty());
+    return c.tasks[0].noConformity;
+  };
+  const Certificate c = exampleCertificate();
+  EXPECT_EQ(why(c).size(), 0U);
+  Certificate leaves = c;
+  leaves.calibration.repeatabilityFrom = "declared";
+  leaves.calibration.chi2PerDof = 9.0;
+  ASSERT_EQ(why(leaves).size(), 1U);
+  EXPECT_EQ(why(leaves)[0], "the model leaves 3.0 times the repeatability");
+  Certificate outside = c;
+  outside.tasks[0].result.outside = {"at 30 degC"};
+  ASSERT_EQ(why(outside).size(), 1U);
+  EXPECT_EQ(why(outside)[0], "the calibration does not hold at 30 degC");
 }
 
 // Every table has figures of one origin, and every figure is in one.
@@ -360,7 +484,7 @@ TEST(CertificateIssue, HasANumberOfItsOwn) {
 
   Certificate c = exampleCertificate();
   c.number = first.text();
-  EXPECT_NE(certificatePage(c).find("no other certificate"), std::string::npos);
+  EXPECT_EQ(certificatePage(c).find("Replaces"), std::string::npos);
   c.replaces = "id-of-the-first";
   const std::string page = certificatePage(c);
   EXPECT_NE(page.find("No. " + first.text()), std::string::npos);

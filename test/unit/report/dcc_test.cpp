@@ -22,7 +22,7 @@
 namespace mm {
 namespace {
 
-Certificate certificateOfOneTask(const std::string& task) {
+Certificate certificateOfOneTask(const std::string& task, bool measured = false) {
   Certificate c;
   c.calibration = test::calibrationOf(Machine::load("three_axis"),
                                       {parseEffectSpec("{type: scale, axis: x}", "effect"),
@@ -46,6 +46,7 @@ Certificate certificateOfOneTask(const std::string& task) {
   c.serial = "M-17";
   c.facts.operatorName =
       std::string("E. \xC3\x84 \x01 \xFF") + "bbe";  // a control character and a wrong byte
+  c.facts.authorisedBy = "C. Zeiss";
   c.facts.laboratory = "L & Co";
   c.facts.place = "Jena, DE";
   c.facts.issued = "2026-03-02T08:00:00Z";
@@ -62,6 +63,7 @@ Certificate certificateOfOneTask(const std::string& task) {
   stated.asked = true;
   ToleranceAsked asked;
   asked.tolerance = 5e-6;
+  if (measured) asked.measured = stated.result.quantities[stated.result.headline].quantity.nominal;
   stated.verdicts = verdictsOf(stated.result, asked);
   c.tasks.push_back(stated);
   return c;
@@ -108,9 +110,7 @@ TEST(Dcc, HasTheStructureOfTheSchema) {
     }
   }
   // The grammar refuses what the schema does.
-  Certificate measured = certificateOfOneTask("position:0,0,0");
-  measured.tasks[0].measured = true;
-  const std::string xml = dccOf(measured);
+  const std::string xml = dccOf(certificateOfOneTask("position:0,0,0", true));
   std::string said;
   ASSERT_EQ(validated(xml, said), 0) << said;
   constexpr int kNotValid = 3;  // xmllint: well-formed, and not what the grammar asks
@@ -184,22 +184,50 @@ TEST(Dcc, SaysWhatItIsOf) {
         "<dcc:countryCodeISO3166_1>DE<", "M-17", "L &amp; Co", "plate &lt;no. 7&gt;", "E. Ä   ?bbe",
         "not stated; taken as exact", "predicted, not measured", "<si:coverageProbability>0.95<",
         "<si:distribution>normal<", "held by a convention", "\\micro\\metre\\metre\\tothe{-1}",
-        "Predicted, no test was made: "})
+        "Predicted, no test was made: ", "uncertainty: 2 s of the fit; reference not included",
+        "informative, without uncertainty"})
     EXPECT_NE(xml.find(part), std::string::npos) << part;
+  const std::string test10360 = dccOf(certificateOfOneTask("iso10360-2"));
+  for (const char* part : {"ISO 10360-2 (predicted, no test was made): ", "<si:valueStandardMU>"})
+    EXPECT_NE(test10360.find(part), std::string::npos) << part;
   // A program reads the element and no words: none says "no", where nothing is stated, or "pass", where
   // nothing was measured.
   EXPECT_EQ(xml.find("<dcc:traceable>"), std::string::npos);
+  EXPECT_NE(xml.find("The traceability of the reference is not stated"), std::string::npos);
   EXPECT_EQ(xml.find("<dcc:conformity>"), std::string::npos);
-  Certificate tested = c;
-  tested.tasks[0].measured = true;
+  Certificate tested = certificateOfOneTask("position:0,0,0", true);
   tested.tasks[0].result.outside = {"at 30 degC"};
   tested.facts.traceability = "ball plate 17";
   tested.calibration.degreesOfFreedom = 5.0;
   const std::string test = dccOf(tested);
-  for (const char* part : {"<dcc:conformity>pass<", "Of a measured value: ", "<dcc:traceable>true<",
-                           "The calibration does not hold at 30 degC", "Student's t, 5 degrees of freedom",
-                           "<si:coverageProbability>0.90<"})  // of a table of t: 0.898 within 2
+  for (const char* part :
+       {"<dcc:conformity>pass<", "Of the measured value that the issuer states: ", "ball plate 17",
+        "The calibration does not hold at 30 degC", "Student's t, 5 degrees of freedom",
+        "<si:coverageProbability>0.90<"})  // of a table of t: 0.898 within 2
     EXPECT_NE(test.find(part), std::string::npos) << part;
+  // Where the calibration does not hold, nothing is decided, not even of a measured value.
+  Certificate outside = tested;
+  outside.calibration.artifact->radiusStd = 0.1e-6;
+  decideConformity(outside, {});
+  const std::string beyond = dccOf(outside);
+  EXPECT_EQ(beyond.find("<dcc:conformity>"), std::string::npos);
+  EXPECT_NE(beyond.find("No statement of conformity: the calibration does not hold at 30 degC"),
+            std::string::npos);
+  // What the issuer typed to change U, and what nobody recorded.
+  Certificate changed = c;
+  changed.conditions.repeatability = 0.1e-6;
+  changed.facts.traceability = "Unknown";
+  for (const char* part :
+       {"0.100 um, stated by the issuer; calibration: 0.300 um", "Decision rule: ISO 14253-1:2017",
+        "date of measurement not recorded", "<dcc:beginPerformanceDate>2026-03-02<",
+        "The traceability of the reference is not stated", "C. Zeiss"})
+    EXPECT_NE(dccOf(changed).find(part), std::string::npos) << part;
+  EXPECT_EQ(dccOf(changed).find("<dcc:traceable>"), std::string::npos);
+  changed.facts.authorisedBy.clear();
+  EXPECT_EQ(dccOf(changed).find("<dcc:mainSigner>"), std::string::npos);
+  changed.calibration.sessionEpoch = 1767225600.0;
+  EXPECT_NE(dccOf(changed).find("<dcc:beginPerformanceDate>2026-01-01<"), std::string::npos);
+
   const DccContents read = dccContents(xml, "c.xml");
   EXPECT_EQ(read.number, c.number);
   EXPECT_EQ(read.calibration, c.calibration.id);
@@ -210,7 +238,7 @@ TEST(Dcc, SaysWhatItIsOf) {
 
   Certificate undecided = c;
   undecided.tasks[0].verdicts.clear();
-  undecided.notStated = {"radius_std_um is not stated"};
+  undecided.tasks[0].noConformity = {"radius_std_um is not stated"};
   const std::string without = dccOf(undecided);
   EXPECT_EQ(without.find("<dcc:conformity>"), std::string::npos);
   EXPECT_NE(without.find("No statement of conformity: radius_std_um is not stated"), std::string::npos);

@@ -68,6 +68,21 @@ TEST(ReportText, OneLineHasTheErrorBeforeAndAfterAndTheRepeatability) {
       << line;
 }
 
+TEST(Recalibrate, KeepsWhenAndWhereItsSessionComesFrom) {
+  Session session = deviations("three_axis", "x", 1e-4, 0.0, 0.1e-6);
+  ModelSpec model;
+  model.effects = {scale("x")};
+  session.epoch = 0.0;
+  const Calibration undated = recalibrate(session, model, leastSquares()).calibration;
+  EXPECT_TRUE(std::isnan(undated.sessionEpoch));
+  EXPECT_EQ(undated.sessionOrigin, "");
+  session.epoch = 1767225600.0;
+  session.simulated = true;
+  const Calibration dated = recalibrate(session, model, leastSquares()).calibration;
+  EXPECT_EQ(dated.sessionEpoch, 1767225600.0);
+  EXPECT_EQ(dated.sessionOrigin, "simulated");
+}
+
 void expectNoNumberIsMissing(const nlohmann::json& value, const std::string& text) {
   EXPECT_EQ(text.find("nan"), std::string::npos);
   EXPECT_EQ(text.find("inf"), std::string::npos);

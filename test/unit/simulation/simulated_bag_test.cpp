@@ -37,6 +37,7 @@ TEST(SimulatedBag, KeepsReadingsTravelAndApproachOfEveryMeasurement) {
                                                         {"five_axis_ball", "five_axis"}}) {
     const Simulation simulation = run(plan, machine);
     const Session read = throughBag(simulation);
+    EXPECT_TRUE(read.simulated);
     ASSERT_EQ(read.observations.size(), simulation.session.observations.size());
     for (std::size_t i = 0; i < read.observations.size(); ++i) {
       const Observation &a = simulation.session.observations[i], &b = read.observations[i];
