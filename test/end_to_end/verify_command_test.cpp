@@ -63,7 +63,8 @@ TEST_F(VerifyCommandTest, theAnswerIsKeptWithTheCalibrationAndStandsOnItsCertifi
   run("certificate " + folder_ / "two.yaml" + " --store " + store_ +
       " --task position:0,0,0 --trials 200 -o " + folder_ / "c.html");
   const std::string page = textOf(folder_ / "c.html");
-  for (const char* part : {"History of use", "<b>active</b>", "made active", "compared with fresh points: helped, "})
+  for (const char* part :
+       {"History of use", "<b>active</b>", "made active", "compared with fresh points: helped, "})
     EXPECT_NE(page.find(part), std::string::npos) << part;
   // A folder that cannot be written keeps nothing and spoils no answer.
   const Answer elsewhere =
