@@ -32,15 +32,15 @@ std::string nicely(std::string text) {  // units as they are printed
 
 std::string shown(const std::string& text) { return escapedHtml(nicely(text)); }
 
-std::string factRow(const std::string& name, const std::string& value) {
-  return "<tr><th>" + escapedHtml(name) + "</th><td>" + (value.empty() ? "not stated" : shown(value)) +
-         "</td></tr>\n";
+std::string rowOf(const std::string& name, const std::string& html) {
+  return "<tr><th>" + escapedHtml(name) + "</th><td>" + (html.empty() ? "not stated" : html) + "</td></tr>\n";
 }
+
+std::string factRow(const std::string& name, const std::string& value) { return rowOf(name, shown(value)); }
 
 /// Of what somebody typed: it is printed as it is.
 std::string typedRow(const std::string& name, const std::string& value) {
-  return "<tr><th>" + escapedHtml(name) + "</th><td>" + (value.empty() ? "not stated" : escapedHtml(value)) +
-         "</td></tr>\n";
+  return rowOf(name, escapedHtml(value));
 }
 
 std::string sectionHead(const std::string& text) { return "<h2>" + escapedHtml(text) + "</h2>\n"; }

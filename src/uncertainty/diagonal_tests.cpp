@@ -4,10 +4,10 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <tuple>
 
 #include "base/range.h"
 #include "base/units.h"
+#include "uncertainty/setup_rows.h"
 
 namespace mm {
 namespace {
@@ -86,22 +86,19 @@ std::optional<DiagonalTest> diagonalOf(const Session& session, const std::vector
 }  // namespace
 
 std::vector<DiagonalTest> diagonalTests(const Session& session, const ResidualOf& left) {
-  std::map<std::tuple<int, int, int>, std::vector<LengthRow>> beams;  // recording, setup, point
-  for (std::size_t i = 0; i < session.observations.size(); ++i) {
-    const Observation& o = session.observations[i];
-    if (o.kind != ObservationKind::kLength || o.feature < 0 || session.poseFree(o.placement)) continue;
-    const Feature& from = session.artifact.features[static_cast<std::size_t>(o.feature)];
-    const Eigen::Vector3d way = session.nominalProbe(o).position - from.position;
-    if (!way.allFinite() || !(way.norm() > 0.0)) continue;
-    beams[{o.recording, o.setup, o.feature}].push_back({static_cast<int>(i), way.norm(), way.normalized()});
-  }
   std::vector<DiagonalTest> tests;
-  for (const auto& [beam, rows] : beams)
+  for (const SetupRows& beam : lengthsBySetup(session)) {
+    std::vector<LengthRow> rows;
+    for (const int i : beam.observations) {
+      const Eigen::Vector3d way = wayOfLength(session, session.observations[static_cast<std::size_t>(i)]);
+      if (way.allFinite() && way.norm() > 0.0) rows.push_back({i, way.norm(), way.normalized()});
+    }
+    if (rows.empty()) continue;
     if (std::optional<DiagonalTest> test = diagonalOf(session, rows, left)) {
-      const int setup = std::get<1>(beam);
-      if (setup >= 0) test->setup = session.setups[static_cast<std::size_t>(setup)];
+      test->setup = beam.setup;
       tests.push_back(std::move(*test));
     }
+  }
   return tests;
 }
 

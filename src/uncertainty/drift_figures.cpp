@@ -18,6 +18,7 @@ constexpr double kMostValues = 2e6;  // drawn for one curve
 constexpr int kFewestPairs = 30, kMostPairs = 400;
 
 using FigureValues = std::array<double, 5>;  // in the order of eachDriftFigure
+constexpr std::size_t kRanges = 2;           // the first; displacements follow
 
 std::array<DriftFigure*, 5> eachDriftFigure(DriftFigures& f) {
   return {&f.range, &f.hour, &f.firstHour, &f.heated, &f.recovery};
@@ -102,7 +103,7 @@ HeatedTime heatedTime(const DriftCurve& curve) {
   const auto size = [&](std::size_t i) { return std::abs(smooth[i] - smooth.front()); };
   for (std::size_t i = 1; i < smooth.size(); ++i)
     if (size(i) > size(most)) most = i;
-  return {curve.hours.front(), curve.hours[most]};
+  return {curve.hours.front(), curve.hours[most], true};
 }
 
 DriftFigures driftFigures(const DriftCurve& whole, const HeatedTime& heated, double noise) {
@@ -133,7 +134,8 @@ DriftFigures driftFigures(const DriftCurve& whole, const HeatedTime& heated, dou
       minus[i] = smooth[i] - drawn;  // with it a difference of two readings gets exactly nothing
     }
     for (const auto* values : {&plus, &minus}) {
-      const FigureValues noisy = figuresOfDrift(hours, *values, heated);
+      const HeatedTime time = heated.chosen ? heatedTime({hours, *values}) : heated;
+      const FigureValues noisy = figuresOfDrift(hours, *values, time);
       for (std::size_t k = 0; k < noisy.size(); ++k) {
         sum[k] += noisy[k] - without[k];
         squares[k] += (noisy[k] - without[k]) * (noisy[k] - without[k]);
@@ -144,7 +146,8 @@ DriftFigures driftFigures(const DriftCurve& whole, const HeatedTime& heated, dou
   for (std::size_t k = 0; k < each.size(); ++k) {
     const double mean = sum[k] / draws;
     each[k]->noise = mean;
-    each[k]->std = std::sqrt(std::max(0.0, squares[k] / draws - mean * mean));
+    const double told = k < kRanges ? mean : 0.0;  // beside a range; of a displacement it is uncertainty
+    each[k]->std = std::sqrt(std::max(0.0, squares[k] / draws - told * told));
   }
   return figures;
 }

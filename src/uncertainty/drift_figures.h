@@ -24,6 +24,7 @@ struct DriftFigure {
 /// What heats the machine: from when to when, in the hours of its curves.
 struct HeatedTime {
   double from = 0.0, to = 0.0;
+  bool chosen = false;  // from the readings themselves, so that their noise has part in it
 };
 
 /// Figures of a drift (ISO 230-3). A displacement is that from the last reading before the heating began.
@@ -37,7 +38,8 @@ struct DriftFigures {
 
 /// @param curve values that are not finite do not count. @param noise standard deviation of one reading, in
 /// the unit of the curve; NaN: not known. Share and uncertainty come from noise that is added to the smoothed
-/// curve again and again, always the same.
+/// curve again and again, always the same; an end of the heating that was chosen is chosen anew each time.
+/// What that adds to a displacement on average is part of its uncertainty.
 DriftFigures driftFigures(const DriftCurve& curve, const HeatedTime& heated, double noise);
 
 /// Each reading as the line through its neighbours has it.

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <set>
-#include <tuple>
 
 #include "base/units.h"
+#include "uncertainty/setup_rows.h"
 
 namespace mm {
 namespace {
@@ -51,22 +50,17 @@ LengthLineTest lengthsOf(const Session& session, const std::vector<FaceRow>& row
 }  // namespace
 
 std::vector<LengthLineTest> lengthTests(const Session& session, const ResidualOf& left) {
-  std::map<std::tuple<int, int, int>, std::vector<FaceRow>> lines;  // recording, setup, point
-  for (std::size_t i = 0; i < session.observations.size(); ++i) {
-    const Observation& o = session.observations[i];
-    if (o.kind != ObservationKind::kLength || o.feature < 0 || session.poseFree(o.placement)) continue;
-    const Feature& from = session.artifact.features[static_cast<std::size_t>(o.feature)];
-    const double distance = (session.nominalProbe(o).position - from.position).norm();
-    if (std::isfinite(distance))
-      lines[{o.recording, o.setup, o.feature}].push_back({static_cast<int>(i), distance});
-  }
   std::vector<LengthLineTest> tests;
-  for (const auto& [line, rows] : lines) {
+  for (const SetupRows& line : lengthsBySetup(session)) {
+    std::vector<FaceRow> rows;
+    for (const int i : line.observations) {
+      const double distance = wayOfLength(session, session.observations[static_cast<std::size_t>(i)]).norm();
+      if (std::isfinite(distance)) rows.push_back({i, distance});
+    }
     LengthLineTest test = lengthsOf(session, rows, left);
     if (test.lengths < kFewestLengths) continue;
-    const int setup = std::get<1>(line);
-    test.name = session.artifact.features[static_cast<std::size_t>(std::get<2>(line))].name;
-    if (setup >= 0) test.setup = session.setups[static_cast<std::size_t>(setup)];
+    test.name = session.artifact.features[static_cast<std::size_t>(line.feature)].name;
+    test.setup = line.setup;
     tests.push_back(std::move(test));
   }
   return tests;

@@ -3,13 +3,12 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
-#include <tuple>
 
 #include "base/format.h"
 #include "base/range.h"
 #include "base/units.h"
+#include "uncertainty/setup_rows.h"
 
 namespace mm {
 namespace {
@@ -107,19 +106,17 @@ std::optional<RotationTest> rotationOf(const Session& session, RotationRows rows
 }  // namespace
 
 std::vector<RotationTest> rotationTests(const Session& session, const ResidualOf& left) {
-  std::map<std::tuple<int, int, int>, RotationRows> groups;  // recording, setup, placement
-  for (std::size_t i = 0; i < session.observations.size(); ++i) {
-    const Observation& o = session.observations[i];
-    if (o.kind == ObservationKind::kPosition && o.reference.allFinite())
-      groups[{o.recording, o.setup, o.placement}].push_back(static_cast<int>(i));
-  }
   std::vector<RotationTest> tests;
-  for (const auto& [group, rows] : groups)
+  for (const SetupRows& group : rowsBySetup(session, ObservationKind::kPosition)) {
+    RotationRows rows;
+    for (const int i : group.observations)
+      if (session.observations[static_cast<std::size_t>(i)].reference.allFinite()) rows.push_back(i);
+    if (rows.empty()) continue;
     if (std::optional<RotationTest> test = rotationOf(session, rows, left)) {
-      const int setup = std::get<1>(group);
-      if (setup >= 0) test->setup = session.setups[static_cast<std::size_t>(setup)];
+      test->setup = group.setup;
       tests.push_back(std::move(*test));
     }
+  }
   return tests;
 }
 

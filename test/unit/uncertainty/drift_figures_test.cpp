@@ -103,6 +103,25 @@ TEST_F(WarmUp, FiguresAreWithinTheirUncertainties) {
   EXPECT_GE(inRecovery, 181);
 }
 
+// Where the end of the heating is taken from the readings, it is taken where their noise is largest: a
+// machine that does not move at all must not be said to.
+TEST(DriftFigures, AChosenEndOfTheHeatingIsPartOfTheUncertainty) {
+  std::mt19937 generator(3);
+  std::normal_distribution<double> noise(0.0, 1.0);
+  constexpr int kDraws = 200;
+  int within = 0;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    DriftCurve curve;
+    for (int i = 0; i <= 60; ++i) {
+      curve.hours.push_back(i / 12.0);
+      curve.value.push_back(noise(generator));
+    }
+    const DriftFigure f = driftFigures(curve, heatedTime(curve), 1.0).heated;
+    within += std::abs(f.value) <= 2.0 * f.std;
+  }
+  EXPECT_GE(within, 181) << "95 % of 200, less three standard deviations";
+}
+
 TEST_F(WarmUp, EndOfTheHeatingIsFoundWhereNothingTells) {
   std::mt19937 generator(5);
   for (int draw = 0; draw < 50; ++draw) {

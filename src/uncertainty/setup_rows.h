@@ -1,0 +1,25 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "session/session.h"
+
+namespace mm {
+
+/// Observations of one kind by an instrument with one zero: of one recording, setup, placement and feature.
+struct SetupRows {
+  std::string setup;  // empty: none
+  int feature = -1, placement = 0;
+  std::vector<int> observations;  // indices, in the order of time
+};
+
+/// Those of a session, by recording, setup, placement and feature.
+std::vector<SetupRows> rowsBySetup(const Session& session, ObservationKind kind);
+
+/// The same for lengths from a point whose place in workpiece is known.
+std::vector<SetupRows> lengthsBySetup(const Session& session);
+
+/// From the point at which a length begins to where the readings say that the tip is: workpiece, m.
+Eigen::Vector3d wayOfLength(const Session& session, const Observation& length);
+
+}  // namespace mm
