@@ -108,7 +108,7 @@ TEST_F(WarmUp, FiguresAreWithinTheirUncertainties) {
 TEST(DriftFigures, AChosenEndOfTheHeatingIsPartOfTheUncertainty) {
   std::mt19937 generator(3);
   std::normal_distribution<double> noise(0.0, 1.0);
-  constexpr int kDraws = 200;
+  constexpr int kDraws = 1000;
   int within = 0;
   for (int draw = 0; draw < kDraws; ++draw) {
     DriftCurve curve;
@@ -119,7 +119,7 @@ TEST(DriftFigures, AChosenEndOfTheHeatingIsPartOfTheUncertainty) {
     const DriftFigure f = driftFigures(curve, heatedTime(curve), 1.0).heated;
     within += std::abs(f.value) <= 2.0 * f.std;
   }
-  EXPECT_GE(within, 181) << "95 % of 200, less three standard deviations";
+  EXPECT_GE(within, 929) << "95 % of 1000, less three standard deviations";
 }
 
 TEST_F(WarmUp, EndOfTheHeatingIsFoundWhereNothingTells) {
