@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
 
 #include "base/cancel_scope.h"
 #include "base/error.h"
@@ -13,6 +12,7 @@
 #include "session/assumed_travel.h"
 #include "session/csv_cells.h"
 #include "session/input_faults.h"
+#include "session/table_rows.h"
 #include "session/time_stamp.h"
 #include "session/travel_tracker.h"
 
@@ -22,114 +22,6 @@ namespace {
 constexpr double kLargestTime = 3e9;    // s; with the epoch it still fits a ROS stamp
 constexpr double kSmallestTime = -9e8;  // s
 const char* const kOpenQuote = "a quote is not closed, or text follows it";
-
-/// What was written in one row, beside the observation itself.
-struct RowKinds {
-  bool feature = false, reference = false, deviation = false, length = false, logged = false, setup = false;
-  bool contact() const { return feature && !length; }                          ///< the feature was touched
-  int measured() const { return contact() + length + reference + deviation; }  ///< how many kinds
-  bool logsOnly() const { return measured() == 0 && logged; }                  ///< only temperatures
-};
-
-/// Why a row holds no observation; empty: it does.
-std::string rowFault(const Observation& o, const RowKinds& kinds, const Machine& machine) {
-  if (kinds.measured() > 1)
-    return "a row holds one of feature, length_mm, reference_*_mm and deviation_*; leave the others empty";
-  if (kinds.measured() == 0)
-    return "the row holds no measurement: feature, length, reference and deviation are all empty or have no "
-           "column";
-  if (kinds.length && !kinds.feature)
-    return "length_mm: 'feature' must name the point of the artifact file from which it was measured";
-  if (kinds.length && !kinds.setup && o.length <= 0.0)
-    return "length_mm must be above 0; lengths that count from an unknown zero need a 'setup'";
-  if (kinds.contact() && kinds.setup)
-    return "'setup' belongs to rows with a length, a reference or a deviation";
-  for (std::size_t j = 0; j < o.position.size(); ++j)
-    if (std::isnan(o.position[j])) return "the reading of joint '" + machine.joints()[j].name + "' is empty";
-  return "";
-}
-
-/// Sets the kind of an observation, and takes from it what belongs to deviations only.
-void setKind(Observation& o, const RowKinds& kinds) {
-  o.kind = kinds.deviation   ? ObservationKind::kDeviation
-           : kinds.length    ? ObservationKind::kLength
-           : kinds.reference ? ObservationKind::kPosition
-                             : ObservationKind::kContact;
-  if (o.kind == ObservationKind::kDeviation) return;
-  o.deviation.clear();
-  o.deviationStd.clear();
-}
-
-/// Finds the features of an artifact by the names that a file gives them.
-class FeatureNames {
- public:
-  /// In somebody else's file in any case, and perhaps under other names.
-  FeatureNames(const Artifact& artifact, const TableForm& form) : form_(form), artifact_(artifact) {
-    for (std::size_t i = 0; i < artifact.features.size(); ++i)
-      index_[artifact.features[i].name] = static_cast<int>(i);
-    for (std::size_t i = 0; !form.own && i < artifact.features.size(); ++i)
-      index_.emplace(lower(artifact.features[i].name), static_cast<int>(i));
-  }
-
-  /// Index in the artifact, or -1.
-  int find(std::string_view name) const {
-    const std::string key = renamed(name);
-    auto found = index_.find(key);
-    if (found == index_.end() && !form_.own) found = index_.find(lower(key));
-    return found == index_.end() ? -1 : found->second;
-  }
-
-  /// Why a name that is not found is refused, with the remedy.
-  std::string fault(std::string_view name) const {
-    const std::string key = renamed(name);
-    const std::vector<std::string> names = allNames(artifact_.features);
-    return "feature '" + shownText(key) + "' is not in artifact '" + artifact_.name + "'" +
-           didYouMean(key, names) +
-           (form_.own ? ""
-                      : "; if it is one of them, add to the mapping: features: {" + shownText(key) + ": " +
-                            (names.empty() ? "ball" : names.front()) + "}");
-  }
-
- private:
-  std::string renamed(std::string_view name) const {
-    const auto other = form_.features.find(std::string(name));
-    return other != form_.features.end() ? other->second : std::string(name);
-  }
-
-  const TableForm& form_;
-  const Artifact& artifact_;
-  std::unordered_map<std::string, int> index_;
-};
-
-/// What was logged beside the rows, until the earliest time of the file is known.
-class LoggedSeries {
- public:
-  void add(std::size_t series, std::int64_t stamp, double value) {
-    if (logged_.size() <= series) logged_.resize(series + 1);
-    logged_[series].push_back({stamp, value});
-  }
-
-  /// Puts the values into their series in the order of their times, s after `zero`.
-  void fill(std::vector<Series>& series, std::int64_t zero) {
-    const auto earlier = [](const Logged& a, const Logged& b) { return a.stamp < b.stamp; };
-    for (std::size_t i = 0; i < logged_.size(); ++i) {
-      if (!std::is_sorted(logged_[i].begin(), logged_[i].end(), earlier))
-        std::stable_sort(logged_[i].begin(), logged_[i].end(), earlier);
-      for (const Logged& l : logged_[i]) {
-        series[i].time.push_back(secondsBetween(zero, l.stamp));
-        series[i].value.push_back(l.value);
-      }
-      std::vector<Logged>().swap(logged_[i]);
-    }
-  }
-
- private:
-  struct Logged {
-    std::int64_t stamp;  // ns, the file's own clock
-    double value;
-  };
-  std::vector<std::vector<Logged>> logged_;
-};
 
 /// Turns the rows of one file into observations and series.
 class TableReader {

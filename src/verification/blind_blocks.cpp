@@ -96,16 +96,14 @@ Eigen::VectorXd withoutOutliers(const FreshPoints& points, const Eigen::VectorXd
 
 /// What each block fits for itself, so that neither state can show it. @param block of one trial.
 std::string notJudgedIn(const Session& block) {
-  std::string pose, rest;
+  std::string what;
   const auto& features = block.artifact.features;
   const bool free = std::any_of(features.begin(), features.end(), [](const Feature& f) { return !f.known; });
-  if (block.poseFree(0) || free) pose = "shifts and turns of the whole artifact";
-  if (free) pose += ", and its scale (positions of its features are free)";
-  if (!block.setups.empty()) rest = std::string(pose.empty() ? "" : " and ") + "zeros of the instrument";
-  std::string sentence = pose + rest;
-  if (sentence.empty()) return {};
-  sentence[0] = static_cast<char>(sentence[0] - 'a' + 'A');
-  return sentence + " are not judged: each block fits them";
+  if (block.poseFree(0) || free) what = "Shifts and turns of the whole artifact";
+  if (free) what += ", and its scale (positions of its features are free)";
+  if (!block.setups.empty())
+    what += what.empty() ? "Zeros of the instrument" : " and zeros of the instrument";
+  return what.empty() ? what : what + " are not judged: each block fits them";
 }
 
 /// The share of each axis's predicted error that is there, all axes and what no axis carries together.
