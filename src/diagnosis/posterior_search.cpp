@@ -14,9 +14,12 @@ constexpr double kDeclaredFreedoms = 8.0;  // of a repeatability that somebody s
 constexpr double kExpected = 1.0;          // causes that act in a session, before it is seen
 constexpr double kAlone = 0.97;            // share of its slot from which a leader has no rivals
 
-/// A cause with a name that explains nearly all that a curve does is told, and the curve is for its rest.
-void nameCurves(const Search& search, const Evidence& evidence, std::vector<Member>& members) {
+/// A cause with a name that explains nearly all that a curve does is told, and the curve is for its rest: the
+/// likeliest beside all that acts, the curve among it, if it may act at all. @param logOdds of each cause.
+void nameCurves(const Search& search, const Evidence& evidence, const std::vector<double>& logOdds,
+                std::vector<Member>& members) {
   const std::vector<Group>& groups = search.questions().groups.groups;
+  const double least = std::log(kPossible / (1.0 - kPossible));
   const std::vector<Member> found = members;
   for (std::size_t j = 0; j < found.size(); ++j) {
     if (!groups[static_cast<std::size_t>(found[j].group)].profile) continue;
@@ -25,11 +28,16 @@ void nameCurves(const Search& search, const Evidence& evidence, std::vector<Memb
     const Evidence::Given given = evidence.given(others);
     const auto explained = [&](double gain) { return -std::expm1(-2.0 * gain / given.freedoms); };
     const double byCurve = explained(evidence.gainOf(given, others, *found[j].columns).value);
-    for (const Gain& g : evidence.gains(given)) {  // best first
-      if (g.group < 0 || groups[static_cast<std::size_t>(g.group)].profile) continue;
-      if (explained(g.value) > kMostOfIt * byCurve) members.push_back(search.memberOf(g));
-      break;
+    Gain name;
+    for (const Gain& g : evidence.gains(given)) {
+      const auto acts = [&](const Member& m) { return m.group == g.group; };
+      if (g.group < 0 || groups[static_cast<std::size_t>(g.group)].profile ||
+          std::any_of(members.begin(), members.end(), acts) || !(explained(g.value) > kMostOfIt * byCurve))
+        continue;
+      const double odds = logOdds[static_cast<std::size_t>(g.group)];
+      if (odds > (name.group < 0 ? least : logOdds[static_cast<std::size_t>(name.group)])) name = g;
     }
+    if (name.group >= 0) members.push_back(search.memberOf(name));
   }
 }
 
@@ -59,6 +67,7 @@ PosteriorProblem problemOf(const Questions& q, const Groups& groups, double stat
       shape.cause = static_cast<int>(p.causes.size());
       shape.first = at;
       shape.count = s.count;
+      shape.secondPartOfFirst = s.effect->nature().secondPartOfFirst && s.mixed.empty();
       columns.middleCols(at, s.count) = groups.columns.middleCols(s.first, s.count);
       at += s.count;
       for (int k = 0; k < kSizes; ++k)
@@ -118,7 +127,7 @@ Explanation explanationOf(const Questions& q, const PosteriorProblem& problem, c
   const Explanation start = noiseOnly(noise);
   const auto evidence = search.evidenceAt(start);
   std::vector<Member> members = membersOf(search, *evidence, problem, acting);
-  nameCurves(search, *evidence, members);
+  nameCurves(search, *evidence, NoiseView(problem, noise).look(acting).logOdds, members);
   return search.refitted(members, start);
 }
 
@@ -201,11 +210,15 @@ void takePossible(const Questions& q, const PosteriorAnswer& answer, Diagnosis& 
 
 void takeOdds(const Questions& q, const PosteriorAnswer& answer, Diagnosis& out) {
   const Domain& domain = q.space->problem().model().domain();
-  for (CandidateResult& r : out.missing) r.odds = odds(answer.sample, r.odds);  // named for a curve
-  for (ProfileResult& p : out.profiles) {
-    const std::string key = causeOf(*createEffect(p.effect, domain));
+  const auto inclusionOf = [&](const EffectSpec& effect, double otherwise) {
+    const std::string key = causeOf(*createEffect(effect, domain));
     for (std::size_t g = 0; g < answer.sample.inclusion.size(); ++g)
-      if (q.groups.groups[g].key == key) p.odds = odds(answer.sample, answer.sample.inclusion[g]);
+      if (q.groups.groups[g].key == key) return answer.sample.inclusion[g];
+    return otherwise;
+  };
+  for (CandidateResult& r : out.missing) r.odds = odds(answer.sample, inclusionOf(r.effect, r.odds));
+  for (ProfileResult& p : out.profiles) {
+    p.odds = odds(answer.sample, inclusionOf(p.effect, p.odds));
   }
   for (const Slot& slot : answer.slots) {
     const Group& group = q.groups.groups[static_cast<std::size_t>(slot.causes.front())];

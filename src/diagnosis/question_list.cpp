@@ -32,11 +32,21 @@ constexpr double kOwned = 0.5;
 /// by smooth ones.
 constexpr int kPlacesOfRough = 16;
 
+/// Positions of a joint from which on a size may follow a curve along it: fewer are met by a parabola.
+constexpr int kPlacesOfCurve = 5;
+
 /// Whether a session can show that an error changes within few positions of a joint.
 bool changesWithinFewPlaces(const ShapeMaker& maker, const Effect& profile) {
   const std::vector<int> joints = profile.nature().mustMove;
   return joints.size() == 1 && maker.domain().joints[joints[0]].kind == JointKind::kLinear &&
          distinctPositions(maker.problem(), joints[0]) >= kPlacesOfRough;
+}
+
+/// Whether a session can show that the size of a cause changes along a joint otherwise than slowly.
+bool variesAsACurve(const ShapeMaker& maker, const Effect& effect) {
+  const std::vector<int>& joints = effect.nature().variesAlong;
+  return std::any_of(joints.begin(), joints.end(),
+                     [&](int joint) { return distinctPositions(maker.problem(), joint) >= kPlacesOfCurve; });
 }
 
 /// Whose a cause may be in several sessions, or of a probe with several styli, beside the machine's own in
@@ -108,7 +118,9 @@ QuestionList QuestionList::causes(const ResidualSpace& space) {
         // what is in the model already may be there once more with another shape, if a key can say it
         if (again && effect->shapedAs(start) == effect->spec()) continue;
         if (!start.empty() && !effect->mayBeClaimed(start)) continue;
+        const bool curves = start.empty() && variesAsACurve(maker, *effect);
         wanted.push_back({at->second, effect, std::move(start)});
+        if (curves) wanted.push_back({at->second, effect, {}, SizeAlong::kAsACurve});
       }
     }
   }
@@ -132,7 +144,7 @@ std::vector<MadeShape> QuestionList::shapesOf(const std::vector<Wanted>& wanted)
     std::vector<DraftShape> drafts;
     for (std::size_t i = part.first; i < part.end; ++i) {
       CancelScope::check();
-      drafts.push_back(maker.draft(wanted[i].effect, wanted[i].nonlinear));
+      drafts.push_back(maker.draft(wanted[i].effect, wanted[i].nonlinear, wanted[i].along));
     }
     std::vector<MadeShape> finished = maker.finished(drafts);
     std::move(finished.begin(), finished.end(), made.begin() + static_cast<long>(part.first));
@@ -148,7 +160,7 @@ std::vector<QuestionList::Mixed> QuestionList::mixedOf(const Groups& groups, std
     Mixed m{g, {}};
     for (std::size_t i = 0; i < wanted.size(); ++i)
       if (wanted[i].group == first + g && made[i].why.empty() && made[i].shape.main == 1 &&
-          wanted[i].nonlinear.empty())
+          wanted[i].nonlinear.empty() && wanted[i].along == SizeAlong::kSlowly)
         m.members.push_back(i);
     if (!groups.groups[g].profile && m.members.size() > 1 && m.members.size() <= std::size(kMixed))
       mixed.push_back(m);
@@ -181,7 +193,7 @@ Groups QuestionList::made(std::size_t first, std::size_t count) const {
     at += made[i].shape.count;
     std::vector<Shape>& shapes = out.groups[wanted[i].group - first].shapes;
     shapes.push_back(made[i].shape);
-    if (made[i].shape.main == made[i].shape.count) continue;
+    if (made[i].shape.main == made[i].shape.count || wanted[i].along == SizeAlong::kAsACurve) continue;
     shapes.push_back(made[i].shape);  // as likely as with its freedom: the law and nothing beside it
     shapes.back().count = shapes.back().main;
   }

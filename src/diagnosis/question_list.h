@@ -34,6 +34,7 @@ class QuestionList {
     std::size_t group;
     EffectPtr effect;
     std::vector<double> nonlinear;
+    SizeAlong along = SizeAlong::kSlowly;
   };
   /// Shapes of several members of a family together: a group, and which of the shapes that are made.
   struct Mixed {

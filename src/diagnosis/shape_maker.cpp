@@ -70,7 +70,8 @@ std::string ShapeMaker::notTried(const Effect& effect) const {
   return "";
 }
 
-DraftShape ShapeMaker::draft(const EffectPtr& effect, const std::vector<double>& nonlinear) const {
+DraftShape ShapeMaker::draft(const EffectPtr& effect, const std::vector<double>& nonlinear,
+                             SizeAlong along) const {
   DraftShape d;
   d.shape.spec = effect->spec();
   d.shape.effect = effect;
@@ -96,6 +97,10 @@ DraftShape ShapeMaker::draft(const EffectPtr& effect, const std::vector<double>&
   for (const Effect::NonlinearFreedom& f : effect->freedomBeside(nonlinear))
     beside(*effect, f.nonlinear, f.share);
   for (const int joint : effect->nature().variesAlong) {
+    if (along == SizeAlong::kAsACurve) {
+      take(curveAlong(problem_, space_.used(), joint, columns.front()), kVariation);
+      continue;
+    }
     RowMatrix varied = columns.front();
     varyAlong(problem_, space_.used(), joint, varied);
     RowMatrix most = varied;  // Legendre's polynomial of degree 2: a nut works most in the middle

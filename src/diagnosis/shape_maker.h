@@ -28,6 +28,9 @@ struct MadeShape {
   std::string why;  // not empty: it cannot be shown
 };
 
+/// How the size of a cause changes along the joints of Nature::variesAlong, where it does.
+enum class SizeAlong { kSlowly, kAsACurve };
+
 /// Makes shapes in two steps: each is drafted alone, and several are finished together, as what the model's
 /// unknowns leave is one product for all of their columns.
 class ShapeMaker {
@@ -38,7 +41,8 @@ class ShapeMaker {
   /// Why the session cannot show an effect, for reasons that need no columns; empty: it may.
   std::string notTried(const Effect& effect) const;
   /// @param nonlinear values of its nonlinear parameters, SI.
-  DraftShape draft(const EffectPtr& effect, const std::vector<double>& nonlinear) const;
+  DraftShape draft(const EffectPtr& effect, const std::vector<double>& nonlinear,
+                   SizeAlong along = SizeAlong::kSlowly) const;
   /// In the order of the drafts.
   std::vector<MadeShape> finished(const std::vector<DraftShape>& drafts) const;
 

@@ -65,7 +65,9 @@ struct Nature {
   /// Its shape is learned from the residuals of the model without it (estimation/network_learning); until
   /// then it has no parameters.
   bool learned = false;
-  bool statesDatum = false;    // a user's law: it may say where deviations without a zero count from
+  bool statesDatum = false;  // a user's law: it may say where deviations without a zero count from
+  /// Its first linear parameter is positive, and its second between zero and the first.
+  bool secondPartOfFirst = false;
   bool ofUnknownSize = false;  // nobody knows its size: a search goes by starts, not by bounds
 
   std::vector<int> nonlinear;  // parameters that enter nonlinearly (a period, a time constant)

@@ -159,6 +159,7 @@ Law lostMotion(SpecReader& read) {
     const bool changes = over > 0.0 && left > 0.0;  // infinitely far away nothing does
     sink.derivative(slot, 2, changes ? side * (p[1] - p[0]) * left * way / (over * over) : 0.0 * side);
   };
+  law.nature.secondPartOfFirst = true;  // what is lost at once, of the gap
   for (int k = kShortest; k <= kLongest; ++k) law.starts.push_back(std::ldexp(range, k));
   // over less the session saw a play, over more hardly a bend: a play and a scale
   law.shortest = std::ldexp(range, kShortest - 1);

@@ -6,6 +6,7 @@
 
 #include "base/cancel_scope.h"
 #include "base/error.h"
+#include "posterior/part_of_first.h"
 
 namespace mm {
 namespace {
@@ -180,14 +181,30 @@ double NoiseView::logDensity(const ActingSet& set) const {
     const CauseShape& s = problem_.shapes[static_cast<std::size_t>(a.shape)];
     prior += problem_.causes[static_cast<std::size_t>(s.cause)].logPriorOdds + s.logPrior[a.size];
   }
-  return prior - 0.5 * (logDeterminant_ + joint.factor.logDeterminant()) -
+  return prior + logPossible(set, joint) - 0.5 * (logDeterminant_ + joint.factor.logDeterminant()) -
          0.5 * freedoms_ * std::log(joint.rest);
+}
+
+/// Of each member whose coefficients are not free, for itself.
+double NoiseView::logPossible(const ActingSet& set, const Joint& joint) const {
+  const auto isLimited = [&](const Acting& a) {
+    return problem_.shapes[static_cast<std::size_t>(a.shape)].secondPartOfFirst;
+  };
+  if (std::none_of(set.begin(), set.end(), isLimited)) return 0.0;
+  const Fit fit = fitOf(set, joint);
+  double sum = 0.0;
+  for (std::size_t k = 0; k < set.size(); ++k)
+    if (isLimited(set[k]))
+      sum += logPartOfFirst(Eigen::Vector2d(fit.values[k].head<2>()),
+                            Eigen::Matrix2d(fit.covariance[k].topLeftCorner<2, 2>()));
+  return sum;
 }
 
 double NoiseView::whiteVariance(const ActingSet& set) const { return jointOf(set).rest / freedoms_; }
 
-NoiseView::Fit NoiseView::fit(const ActingSet& set) const {
-  const Joint joint = jointOf(set);
+NoiseView::Fit NoiseView::fit(const ActingSet& set) const { return fitOf(set, jointOf(set)); }
+
+NoiseView::Fit NoiseView::fitOf(const ActingSet& set, const Joint& joint) const {
   const Eigen::VectorXd values = joint.factor.solveUpper(joint.explained);
   const Eigen::MatrixXd inverse = joint.factor.inverse();
   const double variance = joint.rest / freedoms_;
@@ -215,9 +232,12 @@ void NoiseView::askShapes(int first, int end, const ActingSet& set, const Joint&
       products.noalias() -= by.transpose() * by;
       target.noalias() -= by.transpose() * joint.explained;
     }
-    look.logWeights.row(s) = (logBayesFactors(products, target, joint.rest, freedoms_) + shape.logPrior +
-                              problem_.causes[static_cast<std::size_t>(shape.cause)].logPriorOdds)
-                                 .transpose();
+    const Sizes possible = shape.secondPartOfFirst ? logPartOfFirst(products, target, joint.rest, freedoms_)
+                                                   : Sizes(Sizes::Zero());
+    look.logWeights.row(s) =
+        (possible + logBayesFactors(products, target, joint.rest, freedoms_) + shape.logPrior +
+         problem_.causes[static_cast<std::size_t>(shape.cause)].logPriorOdds)
+            .transpose();
   }
 }
 

@@ -59,6 +59,8 @@ class NoiseView {
   const RowMatrix& crossOf(int shape) const;
   Eigen::MatrixXd productOf(int a, int b) const;
   Joint jointOf(const ActingSet& set) const;
+  Fit fitOf(const ActingSet& set, const Joint& joint) const;
+  double logPossible(const ActingSet& set, const Joint& joint) const;
   void makeAll() const;
   void askShapes(int first, int end, const ActingSet& set, const Joint& joint, const RowMatrix& absorbed,
                  int firstColumn, Conditionals& look) const;

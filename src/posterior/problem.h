@@ -11,6 +11,7 @@ namespace mm {
 struct CauseShape {
   int cause = 0;
   int first = 0, count = 0;        // columns
+  bool secondPartOfFirst = false;  // of the first two coefficients (part_of_first.h)
   Sizes logPrior = Sizes::Zero();  // of this shape at each size, given that the cause acts
 };
 

@@ -1,0 +1,74 @@
+#include "posterior/part_of_first.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <boost/math/quadrature/gauss.hpp>
+#include <cmath>
+
+#include "base/units.h"
+
+namespace mm {
+namespace {
+
+constexpr double kBefore = 0.125;        // probability, of independent coefficients
+constexpr double kExact = 1e-10;         // less than this the sum of two large terms does not tell
+constexpr double kCorrelated = 0.99999;  // more is rounding
+
+double below(double x) { return 0.5 * std::erfc(-x / std::sqrt(2.0)); }
+
+/// Probability that two standard normal variables are below h and k (Drezner and Wesolowsky, J. Stat. Comput.
+/// Simul. 35 (1990)).
+double bothBelow(double h, double k, double correlation) {
+  const double end = std::asin(std::clamp(correlation, -kCorrelated, kCorrelated));
+  const auto density = [&](double angle) {
+    const double cosine = std::cos(angle);
+    return std::exp(-0.5 * (h * h + k * k - 2.0 * h * k * std::sin(angle)) / (cosine * cosine));
+  };
+  const double more = boost::math::quadrature::gauss<double, 20>::integrate(density, 0.0, end);
+  return below(h) * below(k) + more / (2.0 * kPi);
+}
+
+/// Logarithm of that probability: where it is too small to be computed, its bound by the most probable place
+/// at which both are below.
+double logBothBelow(double h, double k, double correlation) {
+  const double probability = bothBelow(h, k, correlation);
+  if (probability > kExact) return std::log(std::min(probability, 1.0));
+  const double rho = std::clamp(correlation, -kCorrelated, kCorrelated);
+  double square = (h * h - 2.0 * rho * h * k + k * k) / (1.0 - rho * rho);  // of the distance of the corner
+  if (h < 0.0 && k - rho * h >= 0.0) square = h * h;
+  if (k < 0.0 && h - rho * k >= 0.0) square = std::min(square, k * k);
+  return std::min(std::log(kExact), -0.5 * square);
+}
+
+}  // namespace
+
+double logPartOfFirst(const Eigen::Vector2d& mean, const Eigen::Matrix2d& covariance) {
+  // the part and the rest are positive
+  Eigen::Matrix2d parts;
+  parts << 0.0, 1.0, 1.0, -1.0;
+  const Eigen::Vector2d at = parts * mean;
+  const Eigen::Matrix2d of = parts * covariance * parts.transpose();
+  const Eigen::Vector2d std = of.diagonal().cwiseMax(0.0).cwiseSqrt();
+  if (!(std.minCoeff() > 0.0)) return 0.0;
+  const double h = at[0] / std[0], k = at[1] / std[1], correlation = of(0, 1) / (std[0] * std[1]);
+  return logBothBelow(h, k, correlation) - std::log(kBefore);
+}
+
+Sizes logPartOfFirst(const Eigen::MatrixXd& products, const Eigen::VectorXd& target, double rest,
+                     double freedoms) {
+  Sizes logs;
+  for (int s = 0; s < kSizes; ++s) {
+    const double square = sizeGrid()[s] * sizeGrid()[s];
+    Eigen::MatrixXd posterior = square * products;
+    posterior.diagonal().array() += 1.0;
+    const Eigen::MatrixXd inverse =
+        square * posterior.llt().solve(Eigen::MatrixXd::Identity(target.size(), target.size()));
+    const Eigen::VectorXd mean = inverse * target;
+    const double variance = std::max(0.0, rest - mean.dot(target)) / freedoms;
+    logs[s] = logPartOfFirst(Eigen::Vector2d(mean.head<2>()),
+                             Eigen::Matrix2d(variance * inverse.topLeftCorner<2, 2>()));
+  }
+  return logs;
+}
+
+}  // namespace mm
