@@ -15,6 +15,36 @@
 namespace mm {
 namespace {
 
+/// Unit of an unknown that enters linearly: that of the value over those of the variables with whose powers
+/// its term grows, "um/mm^2". Variables without a unit of their own and those in other functions have no part
+/// in it.
+std::string unitOfTerm(const Expression& expression, const FormulaVariables& variables, std::size_t unknown,
+                       std::string unit) {
+  constexpr double kBases[] = {1.3, 0.7}, kSame = 1e-9;
+  Expression::Evaluation formula(expression);
+  std::vector<double> k(expression.unknowns().size(), 0.0);
+  k[unknown] = 1.0;
+  const std::vector<int>& used = expression.usedVariables();
+  const auto power = [&](std::size_t of, double base) {
+    for (std::size_t v = 0; v < used.size(); ++v)
+      formula.variables()[v] = base + 0.1 * static_cast<double>(v);
+    const double before = formula(k.data());
+    formula.variables()[of] *= 2.0;
+    return std::log2(formula(k.data()) / before);
+  };
+  for (std::size_t v = 0; v < used.size(); ++v) {
+    std::string below = variables.unit(used[v]);
+    const double first = power(v, kBases[0]), second = power(v, kBases[1]), whole = std::round(first);
+    if (below.empty() || !(std::abs(first - whole) < kSame && std::abs(second - whole) < kSame) ||
+        whole == 0.0)
+      continue;
+    if (below.find('/') != std::string::npos) below = "(" + below + ")";
+    const int n = std::abs(static_cast<int>(whole));
+    unit += (whole > 0.0 ? "/" : "*") + below + (n > 1 ? "^" + std::to_string(n) : "");
+  }
+  return unit;
+}
+
 /// The user's own physics. Value in um, or arcsec where the direction is a rotary joint; the unknowns are in
 /// the formula's own units. Without `start` each unknown starts at 1, except in a formula that is linear: at
 /// 0.
@@ -82,7 +112,10 @@ class Formula : public CatalogueEffect {
       names += (names.empty() ? "" : ", ") + variables_.names()[v];
     words_["names"] = names.empty() ? "all inputs" : names;
     for (std::size_t i = 0; i < unknowns.size(); ++i) {
-      Parameter k = parameter(unknowns[i], {"1", 1.0}, 1.0, 1e9);
+      const std::string value = direction.quantity == JointKind::kLinear ? "um" : "arcsec";
+      const std::string unit =
+          linearity_.linear ? unitOfTerm(*expression_, variables_, i, value) : std::string("1");
+      Parameter k = parameter(unknowns[i], {unit, 1.0}, 1.0, 1e9);
       if (linearity_.linear) {  // sized by what it moves: 1 um (arcsec) is typical, 0.1 m (28 deg) the bound
         k.scale = 1.0 / linearity_.typicalBasis[i];
         k.bound = 1e5 * k.scale;

@@ -99,6 +99,8 @@ class LeadScrewPeriodic : public CatalogueEffect {
     const double unit = linear ? kMillimetre : kDegree;
     const std::string name = linear ? " mm" : " deg";
     const double waves = spacing_ / nonlinear.front();  // from one position to the next
+    // no screw or scale that is searched for has such a period
+    if (linear && spacing_ / (1.0 - waves) < kFinest * kMillimetre) return {};
     const auto text = [&](double value) {
       char digits[32];
       std::snprintf(digits, sizeof digits, "%.3g", value / unit);

@@ -157,10 +157,13 @@ TEST(Grid, TheLeadsThatLookTheSameAreNamed) {
       wave->looksTheSame({0.030}),
       "At positions 12 mm apart a period of 20 or 8.57 mm looks the same, and so does a screw of 5 mm lead"
       ": measure x at unequal distances.");
-  rig.domain.spacing[0] = 0.0;
-  EXPECT_EQ(createEffect(specOf("{type: lead_screw_periodic, axis: x, period_mm: unknown}"), rig.domain)
-                ->looksTheSame({0.030}),
-            "");
+  const auto said = [&](double spacing, double period) {
+    rig.domain.spacing[0] = spacing;
+    return createEffect(specOf("{type: lead_screw_periodic, axis: x, period_mm: unknown}"), rig.domain)
+        ->looksTheSame({period});
+  };
+  EXPECT_EQ(said(0.0, 0.030), "");
+  EXPECT_EQ(said(0.0001, 0.008), "");  // no screw has a lead of 0.1 mm
 }
 
 }  // namespace
