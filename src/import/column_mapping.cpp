@@ -2,7 +2,6 @@
 
 #include <sstream>
 
-#include "base/error.h"
 #include "base/read_file.h"
 #include "base/yaml_mapping.h"
 
@@ -12,8 +11,8 @@ namespace {
 /// What formats ask for; each is a word or a number.
 const std::vector<std::string>& settingKeys() {
   static const std::vector<std::string> kKeys = {
-      "axis",    "plane",  "radius_mm", "feed_mm_min", "direction", "start_deg", "centre_mm",
-      "surface", "joints", "mount",     "position_mm", "unit",      "date",      "sign"};
+      "axis",    "plane", "radius_mm",   "feed_mm_min", "direction", "start_deg", "centre_mm",
+      "surface", "mount", "position_mm", "unit",        "date",      "sign"};
   return kKeys;
 }
 
@@ -48,15 +47,14 @@ ColumnMapping parseColumnMapping(const std::string& yaml, const std::string& sou
   m.source = source;
   if (file.has("format")) m.format = file.text("format");
   if (file.has("separator")) {
-    const std::string s = file.text("separator");
-    if (s == "tab" || s == "\t")
-      m.separator = '\t';
-    else if (s == "blank" || s == "space" || s == " ")
-      m.separator = ' ';
-    else if (s == "," || s == ";" || s == "|")
-      m.separator = s[0];
-    else
-      file.fail("separator", "is '" + s + "', but must be one of \",\" \";\" \"|\" tab blank");
+    static const std::map<std::string, char> kSeparators = {{",", ','},   {";", ';'},     {"|", '|'},
+                                                            {" ", ' '},   {"space", ' '}, {"blank", ' '},
+                                                            {"\t", '\t'}, {"tab", '\t'}};
+    const auto known = kSeparators.find(file.text("separator"));
+    if (known == kSeparators.end())
+      file.fail("separator",
+                "is '" + file.text("separator") + "', but must be one of \",\" \";\" \"|\" tab blank");
+    m.separator = known->second;
   }
   if (file.has("decimal")) {
     const std::string s = file.text("decimal");

@@ -1,12 +1,10 @@
 #include "import/column_meaning.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <set>
 
 #include "base/cancel_scope.h"
-#include "base/error.h"
 #include "base/format.h"
 #include "base/nearest_name.h"
 #include "base/text.h"
@@ -179,31 +177,22 @@ class TableUnderstander {
     NameAndUnit split;  // of the name
     std::optional<Unit> unit;
   };
-  using Reader = std::optional<Meaning> (TableUnderstander::*)(Asked&);
-  /// What a meaning still lacks, and the fault that says so.
-  struct Lack {
-    bool Meaning::*lacks;
-    void (TableUnderstander::*fault)(const Asked&, const Meaning&);
-  };
 
-  /// The first reader that knows a meaning says it; what that lacks is a fault; else the column is taken.
+  /// The first that knows a meaning says it; what that lacks is a fault; else the column is taken.
   void understand(std::size_t i, const std::string& as, CsvColumn& c, UnderstoodColumn& seen) {
-    static constexpr Reader kReaders[] = {&TableUnderstander::ownFormat, &TableUnderstander::byWords,
-                                          &TableUnderstander::asCovariate, &TableUnderstander::asLabels,
-                                          &TableUnderstander::asStamps};
-    static constexpr Lack kLacks[] = {{&Meaning::unclearSign, &TableUnderstander::unclearSign},
-                                      {&Meaning::needsAxis, &TableUnderstander::noJoint}};
     Asked asked = askedOf(i, as);
     if (asked.name.empty() && asked.sample.count == 0) {
       seen.meaning = "left out: empty";
       return;
     }
-    std::optional<Meaning> meaning;
-    for (const Reader reader : kReaders)
-      if (!meaning) meaning = (this->*reader)(asked);
+    std::optional<Meaning> meaning = names_.ownFormat(asked.name);
+    if (!meaning) meaning = names_.byWords(asked.split.stem, asked.unit, asked.sample, asked.said, context_);
+    if (!meaning) meaning = names_.covariate(asked.name, asked.split, asked.unit, asked.sample);
+    if (!meaning) meaning = asLabels(asked);
+    if (!meaning) meaning = asStamps(asked);
     if (!meaning) return unknown(i, asked.name, asked.said, asked.unit);
-    for (const Lack& lack : kLacks)
-      if ((*meaning).*(lack.lacks)) return (this->*lack.fault)(asked, *meaning);
+    if (meaning->unclearSign) return unclearSign(asked, *meaning);
+    if (meaning->needsAxis) return noJoint(asked, *meaning);
     if (meaning->axisOfTable) noteAxis(i);
     take(i, *meaning, asked.split, asked.said, c, seen);
   }
@@ -218,20 +207,13 @@ class TableUnderstander {
     return asked;
   }
 
-  std::optional<Meaning> ownFormat(Asked& asked) { return names_.ownFormat(asked.name); }
-  std::optional<Meaning> byWords(Asked& asked) {
-    return names_.byWords(asked.split.stem, asked.unit, asked.sample, asked.said, context_);
-  }
-  std::optional<Meaning> asCovariate(Asked& asked) {
-    return names_.covariate(asked.name, asked.split, asked.unit, asked.sample);
-  }
-  std::optional<Meaning> asLabels(Asked& asked) {
+  std::optional<Meaning> asLabels(const Asked& asked) {
     const bool words = asked.sample.texts > 0 && asked.sample.numbers == 0;
     if (asked.said || layout_.headerLine == 0 || !words || !isLabels(asked.column)) return std::nullopt;
     return meaningOf(CsvRole::kFeature, 0, machine_);
   }
   /// Every cell is a time, and no other column is one.
-  std::optional<Meaning> asStamps(Asked& asked) {
+  std::optional<Meaning> asStamps(const Asked& asked) {
     const ColumnSample& s = asked.sample;
     if (asked.said || hasTime_ || s.count == 0 || s.calendars + s.slashed + s.clocks < s.count) return {};
     hasTime_ = true;

@@ -1,9 +1,6 @@
 #include <cmath>
 #include <set>
 
-#include "base/error.h"
-#include "base/format.h"
-#include "base/units.h"
 #include "import/record_table.h"
 #include "import/unit.h"
 
@@ -31,21 +28,13 @@ class GaugeReader {
       context_.refuse("axis '" + axis + "' is rotary; a gauge measures along a linear one");
       return;
     }
-    if (start(joint)) rows(joint);
+    origin_ = blankRow(context_, ObservationKind::kDeviation, 0, 0.0).position;
+    if (table_.place({"start", "start position", "position", "first face", "face 0"}, "position_mm",
+                     "the gauge (machine reading at its first face)", {joint}, origin_))
+      rows(joint);
   }
 
  private:
-  /// What the machine read at the first face.
-  bool start(int joint) {
-    origin_ = blankRow(context_, ObservationKind::kDeviation, 0, 0.0).position;
-    if (table_.place({"start", "start position", "position", "first face", "face 0"}, "position_mm", {joint},
-                     origin_))
-      return true;
-    context_.refuse("the position of the gauge (machine reading at its first face) is not stated; " +
-                    context_.ask("position_mm", "[0, 0, 0]"));
-    return false;
-  }
-
   void rows(int joint) {
     const int calibrated = table_.column("calibrated nominal certified true kalibriert reference cal");
     const int indicated = table_.column("indicated measured reading gemessen meas indication");
@@ -85,8 +74,7 @@ class GaugeReader {
     if (!begun.empty())
       context_.note(
           "lengths count from the first face, which is a separate row with deviation 0; each placement or "
-          "bar "
-          "has its own unknown zero, so its lengths are used but not its position");
+          "bar has its own unknown zero, so its lengths are used but not its position");
     context_.note("deviation = calibrated minus indicated length (true minus indicated)");
     finishImport(context_, std::move(session));
   }

@@ -8,6 +8,7 @@
 #include "base/names_of.h"
 #include "base/nearest_name.h"
 #include "base/text.h"
+#include "import/date_in_head.h"
 #include "import/import_format.h"
 #include "import/meaning.h"
 #include "session/assumed_travel.h"
@@ -235,10 +236,10 @@ bool headHas(const TextFile& file, std::string_view words) {
 }
 
 int setupIndex(Session& session, const std::string& name) {
-  for (std::size_t i = 0; i < session.setups.size(); ++i)
-    if (session.setups[i] == name) return static_cast<int>(i);
-  session.setups.push_back(name);
-  return static_cast<int>(session.setups.size()) - 1;
+  const auto at = std::find(session.setups.begin(), session.setups.end(), name);
+  const auto index = static_cast<int>(at - session.setups.begin());
+  if (at == session.setups.end()) session.setups.push_back(name);
+  return index;
 }
 
 Observation blankRow(const ImportContext& context, ObservationKind kind, std::size_t line, double time) {
@@ -267,7 +268,7 @@ Session emptySession(const ImportContext& context) {
   Session session(context.machine);
   session.source = context.file.path().string();
   session.rowFile = context.file.path().filename().string();
-  session.epoch = static_cast<double>(kImportEpoch);
+  session.epoch = dateInHead(context).value_or(static_cast<double>(kImportEpoch));
   if (context.artifact != nullptr) session.artifact = *context.artifact;
   return session;
 }

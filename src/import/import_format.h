@@ -72,7 +72,7 @@ void readAnyTable(ImportContext& context);
 /// directions of readings at standstill. @throw InputError as Session::prepare.
 void finishImport(ImportContext& context, Session session);
 
-/// A session without rows, from this file.
+/// A session without rows, from this file; it begins at the date in its head, where there is one.
 Session emptySession(const ImportContext& context);
 
 /// A row of this machine with nothing measured yet: joints at the mapping's `fixed` or 0. @param time s.

@@ -4,7 +4,6 @@
 #include <map>
 
 #include "base/names_of.h"
-#include "base/text.h"
 #include "import/column_words.h"
 #include "import/meaning.h"
 

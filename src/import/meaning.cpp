@@ -1,7 +1,5 @@
 #include "import/meaning.h"
 
-#include <algorithm>
-
 #include "base/names_of.h"
 #include "base/nearest_name.h"
 #include "base/text.h"

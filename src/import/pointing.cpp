@@ -1,9 +1,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
-#include "base/error.h"
 #include "base/format.h"
 #include "base/range.h"
 #include "base/text.h"

@@ -3,10 +3,8 @@
 #include <cmath>
 #include <optional>
 
-#include "base/error.h"
 #include "base/range.h"
 #include "base/text.h"
-#include "base/units.h"
 #include "import/column_words.h"
 #include "import/record_table.h"
 #include "import/unit.h"
@@ -62,18 +60,16 @@ std::optional<Run> runOf(std::string_view name) {
 }
 
 bool isTarget(const std::string& name) {
-  const auto words = wordsOf(name);
-  return std::any_of(words.begin(), words.end(), [](const std::string& word) {
-    return isOneOf(word, "target|position|nominal|soll|sollposition|pi|p");
-  });
+  for (const std::string& word : wordsOf(name))
+    if (isOneOf(word, "target|position|nominal|soll|sollposition|pi|p")) return true;
+  return false;
 }
 
 /// The name of a column that a table has whose rows are single measurements.
 bool isDeviationOrDirection(const std::string& name) {
-  const auto words = wordsOf(name);
-  return std::any_of(words.begin(), words.end(), [](const std::string& word) {
-    return classOf(word) == WordClass::kDeviation || classOf(word) == WordClass::kDirection;
-  });
+  for (const std::string& word : wordsOf(name))
+    if (classOf(word) == WordClass::kDeviation || classOf(word) == WordClass::kDirection) return true;
+  return false;
 }
 
 struct Cell {

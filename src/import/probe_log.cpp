@@ -4,7 +4,6 @@
 #include <map>
 #include <optional>
 
-#include "base/error.h"
 #include "base/format.h"
 #include "base/range.h"
 #include "base/text.h"

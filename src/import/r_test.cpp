@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "base/dense.h"
-#include "base/error.h"
 #include "base/format.h"
 #include "base/text.h"
 #include "base/units.h"

@@ -1,7 +1,6 @@
 #include "import/record_table.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/error.h"
 #include "base/text.h"
@@ -82,10 +81,14 @@ bool RecordTable::number(const std::vector<std::string>& keys, const std::string
 }
 
 bool RecordTable::place(const std::vector<std::string>& keys, const std::string& mapped,
-                        const std::vector<int>& joints, std::vector<double>& readings) const {
+                        const std::string& of, const std::vector<int>& joints,
+                        std::vector<double>& readings) const {
   const std::vector<double> values = numbersIn(said(keys, mapped), kListMarks);
   const bool all = values.size() == 3;
-  if (!all && values.size() != joints.size()) return false;
+  if (!all && values.size() != joints.size()) {
+    context_.refuse("the position of " + of + " is not stated; " + context_.ask(mapped, "[0, 0, 0]"));
+    return false;
+  }
   for (std::size_t k = 0; k < values.size(); ++k)
     if (const int j = all ? jointOf(context_.machine, std::string(1, "xyz"[k])) : joints[k]; j >= 0)
       readings[static_cast<std::size_t>(j)] = values[k] * kMillimetre;

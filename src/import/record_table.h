@@ -34,9 +34,9 @@ class RecordTable {
   bool number(const std::vector<std::string>& keys, const std::string& mapped, UnitKind kind,
               const std::string& unit, double& value);
   /// The same as a place in mm, put into the readings (m): of joints x, y and z where it has three values,
-  /// else of as many `joints`. False when it is not said so.
-  bool place(const std::vector<std::string>& keys, const std::string& mapped, const std::vector<int>& joints,
-             std::vector<double>& readings) const;
+  /// else of as many `joints`. False, and a fault, when it is not said so. @param of what, in words.
+  bool place(const std::vector<std::string>& keys, const std::string& mapped, const std::string& of,
+             const std::vector<int>& joints, std::vector<double>& readings) const;
   /// A cell in SI, by the unit of its column; where that has none by `fallback`, or if that is empty, too,
   /// the mapping's `unit` of a length (without: a fault), deg, s. NaN when empty, and after a fault.
   double value(const Row& row, int column, UnitKind kind, std::string fallback = "");

@@ -1,7 +1,10 @@
+#include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "base/text.h"
 #include "import/column_unit.h"
+#include "import/date_in_head.h"
 #include "import/import_format.h"
 
 namespace mm {
@@ -49,6 +52,17 @@ void showRows(const ImportContext& context, const TableLayout& layout) {
   });
 }
 
+/// It begins at the date in the head of the file, to which the rows may add a time of day.
+void dateSession(const ImportContext& context, const TableForm& form, Session& session) {
+  constexpr double kDay = 86400.0;  // s
+  const std::optional<double> date = dateInHead(context);
+  if (!date) return;
+  const bool clock = std::any_of(form.columns.begin(), form.columns.end(),
+                                 [](const CsvColumn& c) { return c.timeForm == TimeForm::kClock; });
+  const double ofDay = session.epoch - static_cast<double>(kImportEpoch);
+  session.epoch = clock ? kDay * std::floor(*date / kDay) + ofDay : *date;
+}
+
 }  // namespace
 
 void readAnyTable(ImportContext& context) {
@@ -67,6 +81,7 @@ void readAnyTable(ImportContext& context) {
   if (!context.faults.empty()) return;
   TableReading reading = readTable(context.file, table.form, context.machine, context.artifact);
   imported.notes.insert(imported.notes.end(), reading.notes.begin(), reading.notes.end());
+  if (!table.form.absoluteTime) dateSession(context, table.form, reading.session);
   finishImport(context, std::move(reading.session));
 }
 

@@ -20,6 +20,17 @@ std::vector<std::string_view> cellsOf(std::string_view line, char separator) {
   return cells;
 }
 
+/// A number and the unit behind it: `12.5 mm`. False where there is no unit.
+bool parseWithUnit(std::string_view cell, bool decimalComma, double& value, std::string& unit) {
+  cell = trim(cell);
+  const std::size_t end = cell.find_last_of("0123456789");
+  if (end == std::string_view::npos || end + 1 == cell.size()) return false;
+  const std::string_view text = trim(cell.substr(end + 1));
+  if (!parseUnit(text) || !parseNumber(cell.substr(0, end + 1), decimalComma, value)) return false;
+  unit = std::string(text);
+  return true;
+}
+
 bool isValue(std::string_view cell) {
   double value = 0.0;
   std::string unit;
@@ -274,16 +285,6 @@ class LayoutFinder {
 };
 
 }  // namespace
-
-bool parseWithUnit(std::string_view cell, bool decimalComma, double& value, std::string& unit) {
-  cell = trim(cell);
-  const std::size_t end = cell.find_last_of("0123456789");
-  if (end == std::string_view::npos || end + 1 == cell.size()) return false;
-  const std::string_view text = trim(cell.substr(end + 1));
-  if (!parseUnit(text) || !parseNumber(cell.substr(0, end + 1), decimalComma, value)) return false;
-  unit = std::string(text);
-  return true;
-}
 
 bool takeRemark(std::string_view line, std::string& text) {
   if (!isRemark(line)) return false;

@@ -67,9 +67,6 @@ std::vector<ColumnSample> columnSamples(const TextFile& file, const TableLayout&
 void refuseUnclear(const TextFile& file, const TableLayout& layout, const UnclearNumber& number,
                    ImportFaults& faults);
 
-/// A number and the unit behind it: `12.5 mm`. False where there is no unit.
-bool parseWithUnit(std::string_view cell, bool decimalComma, double& value, std::string& unit);
-
 /// A line without its mark of a remark (#, %, //), trimmed; false when it has none.
 bool takeRemark(std::string_view line, std::string& text);
 

@@ -44,13 +44,11 @@ void readAxes(const std::string& text, std::size_t line, const Machine& machine,
   const std::vector<std::string> words = wordsOf(text);
   for (std::size_t w = 0; w < words.size(); ++w) {
     if (words[w] != "axis" && words[w] != "achse" && words[w] != "axe") continue;
-    if (w + 1 < words.size())
-      if (const int j = jointOf(machine, words[w + 1]); j >= 0) {
+    for (const std::size_t beside : {w + 1, w - 1})
+      if (const int j = beside < words.size() ? jointOf(machine, words[beside]) : -1; j >= 0) {
         named.emplace(j, line);
-        continue;
+        break;
       }
-    if (w > 0)
-      if (const int j = jointOf(machine, words[w - 1]); j >= 0) named.emplace(j, line);
   }
 }
 

@@ -1,7 +1,5 @@
 #include "import/unit.h"
 
-#include <cctype>
-
 #include "base/text.h"
 #include "base/units.h"
 #include "session/csv_cells.h"

@@ -47,12 +47,13 @@ Geometry::Geometry(const Session& session) : session_(session), of_(session.arti
     if (o.kind == ObservationKind::kPosition && o.reference.allFinite()) positions_.push_back(&o);
   }
   constexpr std::size_t kEnough = 200;  // of one ball: more would say the same
-  for (auto* rows : lists()) {
-    if (rows->size() <= kEnough) continue;
-    std::vector<const Observation*> some;
-    for (std::size_t k = 0; k < kEnough; ++k) some.push_back((*rows)[k * rows->size() / kEnough]);
-    *rows = std::move(some);
-  }
+  const auto thin = [&](std::vector<const Observation*>& rows) {
+    const std::size_t all = rows.size();
+    for (std::size_t k = 0; all > kEnough && k < kEnough; ++k) rows[k] = rows[k * all / kEnough];
+    rows.resize(std::min(all, kEnough));
+  };
+  thin(positions_);
+  for (auto& rows : of_) thin(rows);
 }
 
 Agreement Geometry::judge(const Readings& change) const {
@@ -77,8 +78,7 @@ void Geometry::judgeFeature(std::size_t f, const Readings& change, Agreement& a,
   const Feature& feature = session_.artifact.features[f];
   std::vector<Eigen::Vector3d> tips;
   for (const Observation* o : of_[f]) tips.push_back(tipOf(*o, change));
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  for (const auto& t : tips) centre += t / static_cast<double>(tips.size());
+  Eigen::Vector3d centre = meanOf(tips);
   double extent = 0.0;
   for (const auto& t : tips) extent = std::max(extent, (t - centre).norm());
   const bool ball = feature.kind == FeatureKind::kBall;
@@ -123,12 +123,6 @@ std::vector<int> Geometry::names() const {
   std::vector<int> own(of_.size());
   std::iota(own.begin(), own.end(), 0);
   return own;
-}
-
-std::vector<std::vector<const Observation*>*> Geometry::lists() {
-  std::vector<std::vector<const Observation*>*> all = {&positions_};
-  for (auto& rows : of_) all.push_back(&rows);
-  return all;
 }
 
 Eigen::Vector3d Geometry::tipOf(const Observation& o, const Readings& change) const {

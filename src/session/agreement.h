@@ -38,7 +38,6 @@ class Geometry {
   std::vector<int> names() const;
 
  private:
-  std::vector<std::vector<const Observation*>*> lists();
   void judgeFeature(std::size_t feature, const Readings& change, Agreement& a, std::vector<double>& within,
                     double& aligned, int& approaches) const;
   Eigen::Vector3d tipOf(const Observation& o, const Readings& change) const;

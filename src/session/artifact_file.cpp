@@ -1,6 +1,5 @@
 #include "session/artifact_file.h"
 
-#include "base/error.h"
 #include "base/read_file.h"
 #include "base/units.h"
 #include "base/yaml_mapping.h"

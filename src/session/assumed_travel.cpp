@@ -195,7 +195,6 @@ class TravelMaker {
 
   void runs(int j) {
     std::map<std::pair<int, std::vector<bool>>, std::vector<Observation*>> all;
-    std::vector<std::pair<int, std::vector<bool>>> order;
     std::map<const Observation*, double> moved;  // to the first row of a run, from the row before it
     const Observation* previous = nullptr;
     double last = 0.0;

@@ -40,13 +40,11 @@ class Start {
   explicit Start(const Session& session) : session_(session) {}
 
   GeometricStart make() {
-    const auto& features = session_.artifact.features;
     findSpots();
     findOffsets();
     out_.poses.resize(static_cast<std::size_t>(session_.placementCount()));
-    known_.assign(features.size(), 0);
-    for (const Feature& f : features) out_.features.push_back(f.position);
-    for (std::size_t f = 0; f < features.size(); ++f) known_[f] = features[f].known;
+    for (const Feature& f : session_.artifact.features)
+      out_.features.push_back(f.position), known_.push_back(f.known);
     // a placement that shares the most with what is known comes next: what is free in it is known then
     std::vector<char> placed(out_.poses.size(), 0);
     for (std::size_t k = 0; k < placed.size(); ++k) {
@@ -72,18 +70,14 @@ class Start {
   }
 
   void findSpots() {
+    std::map<std::tuple<int, int, int>, std::size_t> number;
     for (const Observation& o : session_.observations) {
       if (o.kind != ObservationKind::kContact || o.feature < 0) continue;
-      int& at = number_[{o.feature, o.placement, o.stylus}];
-      if (at == 0) {
-        Spot& added = spots_.emplace_back();
-        added.feature = o.feature;
-        added.placement = o.placement;
-        added.stylus = o.stylus;
-        at = static_cast<int>(spots_.size());
-        spots_.back().orientation = session_.nominalProbe(o).orientation;
-      }
-      Spot& spot = spots_[static_cast<std::size_t>(at - 1)];
+      const auto [at, isNew] =
+          number.try_emplace(std::tuple(o.feature, o.placement, o.stylus), spots_.size());
+      if (isNew)
+        spots_.push_back({o.feature, o.placement, o.stylus, {}, {}, session_.nominalProbe(o).orientation});
+      Spot& spot = spots_[at->second];
       spot.tips.push_back(placeOf(o));
       if (o.laserReading == o.laserReading) spot.laser = true;
       if (o.approach.allFinite() && o.approach.norm() > 0.5)
@@ -122,11 +116,9 @@ class Start {
   /// An offset that is not stated: by the features that another stylus touched in the same placement.
   void findOffsets() {
     const auto& styli = session_.artifact.styli;
-    for (const Stylus& s : styli) out_.offsets.push_back(s.offset);
-    if (styli.empty()) out_.offsets.emplace_back(Eigen::Vector3d::Zero());
     std::vector<char> known;
-    for (const Stylus& s : styli) known.push_back(s.known);
-    if (styli.empty()) known.push_back(1);
+    for (const Stylus& s : styli) out_.offsets.push_back(s.offset), known.push_back(s.known);
+    if (styli.empty()) out_.offsets.emplace_back(Eigen::Vector3d::Zero()), known.push_back(1);
     for (bool found = true; found;) {
       found = false;
       for (std::size_t s = 0; s < known.size(); ++s) {
@@ -176,19 +168,15 @@ class Start {
       if (!pairs.from.empty())
         rigidMotion(columnsOf(pairs.from), columnsOf(pairs.to), pose.rotation, pose.translation);
     }
-    std::vector<char> here(known_.size(), 0);
     for (const Spot& spot : spots_) {
       const auto f = static_cast<std::size_t>(spot.feature);
-      if (spot.placement != placement || known_[f] || here[f]) continue;
+      if (spot.placement != placement || known_[f]) continue;
       out_.features[f] = pose.rotation.transpose() * (spot.centre - pose.translation);
-      here[f] = 1;
+      known_[f] = 1;
     }
-    for (std::size_t f = 0; f < here.size(); ++f)
-      if (here[f]) known_[f] = 1;
   }
 
   const Session& session_;
-  std::map<std::tuple<int, int, int>, int> number_;  // of a spot, from 1
   std::vector<Spot> spots_;
   std::vector<char> known_;  // a feature: it is where it is said to be in the artifact's frame
   GeometricStart out_;
@@ -263,9 +251,7 @@ void startFreeFeatures(Session& session) {
       throw InputError(session.source + ": where '" + feature.name + "' is cannot be determined from its " +
                        std::to_string(measured.tips.size()) +
                        " lengths (too few, or all tip positions on a plane); give its approximate position "
-                       "in the artifact "
-                       "file: " +
-                       "position_mm: [x, y, z]");
+                       "in the artifact file: position_mm: [x, y, z]");
     }
   }
 }

@@ -90,12 +90,7 @@ class GrossRows {
             const std::string& why) {
     if (gone_[observation] != 0) return;
     gone_[observation] = 1;
-    SetAside aside;
-    aside.row = session_.observations[observation].row;
-    aside.field = field;
-    aside.value = value;
-    aside.why = why;
-    found_[observation] = std::move(aside);
+    found_[observation] = {session_.observations[observation].row, 0, field, value, why, {}, {}};
   }
 
   void copies() {

@@ -1,6 +1,7 @@
 #include "session/joined.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <set>
 
@@ -15,8 +16,8 @@ namespace mm {
 namespace {
 
 constexpr double kDay = 86400.0;
-/// What is imported counts its times from 2001-09-09 (kImportEpoch), and so does what is simulated: it bears
-/// no date. Nothing was recorded in the years after it.
+/// What is imported without a date counts its times from 2001-09-09 (kImportEpoch), and so does what is
+/// simulated. Nothing was recorded in the years after it.
 constexpr double kDated = 1.2e9;  // 2008-01-10
 
 std::string nameOf(const Session& session) {
@@ -131,15 +132,24 @@ std::vector<Recording> partsOf(const Session& session) {
   return {{session.source, sessionHash(session), session.rowFile, 0.0, session.timesAssumed}};
 }
 
+/// Of one day, and the first bears no time of day (its midnight stands for it).
+bool orderUnknown(const Session& first, const Session& second) {
+  return std::fmod(first.epoch, kDay) == 0.0 && second.epoch < first.epoch + kDay;
+}
+
 /// In the order of time. @return begin of each, s from that of the first.
 std::vector<double> inOrder(std::vector<Session>& sessions, std::string& warning) {
-  const bool dated =
+  bool dated =
       std::all_of(sessions.begin(), sessions.end(), [](const Session& s) { return s.epoch >= kDated; });
   if (dated)
     std::stable_sort(sessions.begin(), sessions.end(),
                      [](const Session& a, const Session& b) { return a.epoch < b.epoch; });
   else
     warning = "not all sessions have a date: they are taken in the order given, one day apart";
+  if (dated && std::adjacent_find(sessions.begin(), sessions.end(), orderUnknown) != sessions.end()) {
+    dated = false;
+    warning = "sessions of one day have no time of day: they are taken in the order given, one day apart";
+  }
   std::vector<double> begins = {0.0};
   for (std::size_t i = 1; i < sessions.size(); ++i) {
     const double end = begins.back() + lastTime(sessions[i - 1]);

@@ -21,8 +21,6 @@
 namespace mm {
 namespace {
 
-const std::vector<std::string> kSections = {"touch", "postures", "reference", "moves"};
-
 void readArtifact(const YamlMapping& root, const std::filesystem::path& folder, Plan& plan) {
   if (!root.has("artifact")) return;  // interferometer runs need none
   const YAML::Node node = root.node("artifact");
@@ -271,7 +269,6 @@ Plan Plan::parse(const std::string& yaml, const std::string& source, const std::
   PlanBuilder builder(plan, machine);
   readSettings(root, plan, builder);
   for (const std::string& key : root.keys()) {
-    if (std::find(kSections.begin(), kSections.end(), key) == kSections.end()) continue;
     if (key == "touch" && plan.laser) root.fail(key, "needs a touch probe, but the plan's probe is a laser");
     if (key == "postures" && !plan.laser) root.fail(key, "needs 'probe: laser'");
     const YAML::Node section = root.node(key);

@@ -3,9 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "base/rotation.h"
 #include "base/units.h"
 #include "machine/joint_units.h"
@@ -71,10 +71,8 @@ void PlanBuilder::checkLimits(const std::vector<double>& readings) const {
     one[j] = readings[j];
     if (withinLimits(one)) continue;
     const auto [unit, symbol] = readingUnit(joint);
-    std::ostringstream text;
-    text << "joint '" << joint.name << "' would move to " << readings[j] / unit << ", but its limits are "
-         << joint.lower / unit << " to " << joint.upper / unit << " " << symbol;
-    fail(text.str());
+    fail(format("joint '%s' would move to %g, but its limits are %g to %g %s", joint.name.c_str(),
+                readings[j] / unit, joint.lower / unit, joint.upper / unit, symbol));
   }
 }
 
@@ -174,12 +172,10 @@ void PlanBuilder::touchFrom(int feature, const std::vector<double>& start, Eigen
   if (approach.norm() < kNoDirection) fail("the approach has no direction; give 'approach' or another start");
   approach.normalize();
   const double along = to.dot(approach), aside = (to - along * approach).norm();
-  if (aside >= distance) {
-    std::ostringstream text;
-    text << "the approach passes '" << plan_.artifact.features[feature].name << "' at " << aside / kMillimetre
-         << " mm from its centre, but contact is only possible within " << distance / kMillimetre << " mm";
-    fail(text.str());
-  }
+  if (aside >= distance)
+    fail("the approach passes '" + plan_.artifact.features[feature].name +
+         format("' at %g mm from its centre, but contact is only possible within %g mm", aside / kMillimetre,
+                distance / kMillimetre));
   const double way = along - std::sqrt(distance * distance - aside * aside);
   const double before = approachDistance;
   // A start as near as the contact itself says where to touch, not where to begin.

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "base/error.h"
 #include "base/rotation.h"
 #include "base/units.h"
 #include "machine/joint_units.h"
@@ -40,6 +39,23 @@ double numberOr(const YamlMapping& map, const char* key, double factor, double l
 /// How many, at least one.
 int countOr(const YamlMapping& map, const char* key, int otherwise) {
   return map.has(key) ? map.count(key, 1) : otherwise;
+}
+
+/// Indices of the features that a key names: `all` or a list. @throw InputError
+std::vector<int> featuresOf(const YamlMapping& map, const std::string& key, const Plan& plan) {
+  std::vector<int> features;
+  if (map.has(key) && !(map.node(key).IsScalar() && map.text(key) == "all")) {
+    for (const std::string& name : map.texts(key)) {
+      features.push_back(plan.artifact.findFeature(name));
+      if (features.back() < 0)
+        map.fail(key, "names '" + name + "', which is not in artifact '" + plan.artifact.name + "'");
+    }
+    return features;
+  }
+  for (std::size_t f = 0; f < plan.artifact.features.size(); ++f)
+    if (plan.artifact.features[f].kind == FeatureKind::kBall) features.push_back(static_cast<int>(f));
+  if (features.empty()) map.fail("", "needs balls; the artifact has none");
+  return features;
 }
 
 struct TouchPlan {
@@ -125,8 +141,7 @@ void touchOne(const TouchPlan& t, std::size_t ball, int k, int index, PlanBuilde
   if (approach.dot(normal) > -0.15)
     builder.fail(
         "with this 'approach' the probe would not press on the ball at every point; reduce 'cone_deg', or "
-        "let "
-        "'pole' point against 'approach'");
+        "let 'pole' point against 'approach'");
   const double speed = t.speeds[index % t.speeds.size()];
   builder.touchAt(feature, builder.centre(feature) + distance * normal, approach, speed, t.rotary, {},
                   t.wait);
@@ -151,22 +166,6 @@ std::vector<double> readingsOf(const YamlMapping& map, const Machine& machine, s
   for (std::size_t j = 0; j < keys.size(); ++j)
     if (map.has(keys[j])) readings[j] = map.number(keys[j], readingUnit(machine.joints()[j]).factor);
   return readings;
-}
-
-std::vector<int> featuresOf(const YamlMapping& map, const std::string& key, const Plan& plan) {
-  std::vector<int> features;
-  if (map.has(key) && !(map.node(key).IsScalar() && map.text(key) == "all")) {
-    for (const std::string& name : map.texts(key)) {
-      features.push_back(plan.artifact.findFeature(name));
-      if (features.back() < 0)
-        map.fail(key, "names '" + name + "', which is not in artifact '" + plan.artifact.name + "'");
-    }
-    return features;
-  }
-  for (std::size_t f = 0; f < plan.artifact.features.size(); ++f)
-    if (plan.artifact.features[f].kind == FeatureKind::kBall) features.push_back(static_cast<int>(f));
-  if (features.empty()) map.fail("", "needs balls; the artifact has none");
-  return features;
 }
 
 void expandTouch(const YAML::Node& list, PlanBuilder& builder) {

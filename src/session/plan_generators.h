@@ -15,8 +15,6 @@ void expandReference(const YAML::Node& node, PlanBuilder& builder);
 
 /// The nodes of a list, or the one node itself.
 std::vector<YAML::Node> entriesOf(const YAML::Node& node);
-/// Indices of the features that a key names: `all` or a list. @throw InputError
-std::vector<int> featuresOf(const YamlMapping& map, const std::string& key, const Plan& plan);
 /// Keys `<joint>_mm` or `<joint>_deg` of every joint, in the machine's order.
 std::vector<std::string> jointKeys(const Machine& machine);
 /// `start` with the joints that the mapping names.

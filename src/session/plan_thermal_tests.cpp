@@ -1,6 +1,7 @@
 // The tests of ISO 230-3: readings at regular times, for hours.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "base/format.h"
 #include "base/tiny.h"
@@ -25,26 +26,34 @@ Schedule scheduleOf(const TestSheet& t, double hours) {
   return {count, minutes * kMinute / count};
 }
 
-/// How often a joint goes to and fro between two readings. @param taken s of that time, by the reading.
-/// @param once s of once to and fro. @param rest receives what is left, s.
-int swingsIn(const TestSheet& t, int j, const Schedule& readings, double taken, double once, double& rest) {
-  const int count = static_cast<int>((readings.interval - taken) / once + kOfAWhole);
-  if (count < 1) {
+/// A reading, and another after each interval of load, in which the joint goes to and fro as often as there
+/// is time. @param taken s of the interval, by the reading. @param read one, after a wait (s).
+void readUnderLoad(TestSheet& t, int j, double taken, const std::function<void(double)>& read) {
+  const Stretch s = stretchOf(t, j);
+  const Schedule load = scheduleOf(t, t.size.hours);
+  const double once = 2.0 * s.length() / t.pace(j);  // s to and fro
+  const int swings = static_cast<int>((load.interval - taken) / once + kOfAWhole);
+  if (swings < 1) {
     const double shortest = std::ceil((taken + once) / kMinute * 10.0) / 10.0;
     t.refuse(format("needs %s or more: a reading and once to and fro of joint %s take %.4g min",
                     t.size.everyMin < shortest ? format("--every-min %.4g", shortest).c_str()
                                                : format("--hours %.4g", shortest / kMinutesOfHour).c_str(),
                     t.joint(j).name.c_str(), (taken + once) / kMinute));
   }
-  rest = std::max(0.0, readings.interval - taken - count * once);
-  return count;
+  read(0.0);
+  t.script.repeat(load.count, [&] {
+    t.script.repeat(swings, [&] {
+      t.script.go(t.with(j, s.to));
+      t.script.go(t.with(j, s.from));
+    });
+    read(std::max(0.0, load.interval - taken - swings * once));
+  });
 }
 
-void swing(TestSheet& t, int j, const Stretch& s, int times) {
-  t.script.repeat(times, [&] {
-    t.script.go(t.with(j, s.to));
-    t.script.go(t.with(j, s.from));
-  });
+/// Readings in the middle, for so many hours.
+void readFor(TestSheet& t, double hours) {
+  const Schedule readings = scheduleOf(t, hours);
+  t.script.repeat(readings.count, [&] { t.script.position(t.middle, readings.interval, t.test.name); });
 }
 
 }  // namespace
@@ -52,8 +61,7 @@ void swing(TestSheet& t, int j, const Stretch& s, int times) {
 void writeEtve(TestSheet& t) {
   t.head += "instrument: {thermal: {ambient: {swing_K: 1, swing_period_min: 1440}}}  # simulated room\n";
   t.script.position(t.middle, kTestDwell, t.test.name);
-  const Schedule readings = scheduleOf(t, t.size.hours);
-  t.script.repeat(readings.count, [&] { t.script.position(t.middle, readings.interval, t.test.name); });
+  readFor(t, t.size.hours);
 }
 
 void writeSpindle(TestSheet& t) {
@@ -63,15 +71,11 @@ void writeSpindle(TestSheet& t) {
       "  covariates: [{name: spindle, unit: rpm, mean: 10000, from_min: %.6g, to_min: %.6g}]\n"
       "  thermal: {heat: [{body: motor, power_W: 4, from_min: %.6g, to_min: %.6g}]}\n",
       from, to, from, to);
-  const auto readFor = [&](double hours) {
-    const Schedule readings = scheduleOf(t, hours);
-    t.script.repeat(readings.count, [&] { t.script.position(t.middle, readings.interval, t.test.name); });
-  };
   t.script.position(t.middle, kTestDwell, t.test.name);
   t.script.remark("start the spindle; its speed is recorded as covariate spindle, unit rpm");
-  readFor(t.size.hours);
+  readFor(t, t.size.hours);
   t.script.remark("stop the spindle");
-  readFor(kRest * t.size.hours);
+  readFor(t, kRest * t.size.hours);
 }
 
 void writeLinear(TestSheet& t) {
@@ -89,33 +93,20 @@ void writeLinear(TestSheet& t) {
     // alone.
     const double taken = 3.0 * kTestDwell + 2.0 * t.beyond(j) / t.pace(j),
                  once = 2.0 * s.length() / t.pace(j);
-    const Schedule load = scheduleOf(t, t.size.hours), cooling = scheduleOf(t, kRest * t.size.hours);
-    double rest = 0.0;
-    const int swings = swingsIn(t, j, load, taken, once, rest);
-    read(0.0);
-    t.script.repeat(load.count, [&] {
-      swing(t, j, s, swings);
-      read(rest);
-    });
+    readUnderLoad(t, j, taken, read);
+    const Schedule cooling = scheduleOf(t, kRest * t.size.hours);
     t.script.repeat(cooling.count, [&] { read(std::max(0.0, cooling.interval - taken - once)); });
   }
 }
 
 void writeRotary(TestSheet& t) {
   for (const int j : t.rotaryJoints()) {
-    const Stretch s = stretchOf(t, j);
     const auto read = [&](double wait) {
       t.script.go(t.with(j, t.middle[static_cast<std::size_t>(j)] - t.beyond(j)), wait);
       t.script.position(t.middle, kTestDwell, t.joint(j).name);
     };
-    const Schedule load = scheduleOf(t, t.size.hours), cooling = scheduleOf(t, kRest * t.size.hours);
-    double rest = 0.0;
-    const int swings = swingsIn(t, j, load, kTestDwell, 2.0 * s.length() / t.pace(j), rest);
-    read(0.0);
-    t.script.repeat(load.count, [&] {
-      swing(t, j, s, swings);
-      read(rest);
-    });
+    readUnderLoad(t, j, kTestDwell, read);
+    const Schedule cooling = scheduleOf(t, kRest * t.size.hours);
     t.script.repeat(cooling.count, [&] { t.script.position(t.middle, cooling.interval, t.joint(j).name); });
   }
 }

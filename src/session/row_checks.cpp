@@ -32,7 +32,7 @@ class RowAsker {
   }
 
  private:
-  void doubt(const std::string& question) { doubts_.push_back({question, kNotMeasured, kNotMeasured}); }
+  void doubt(const std::string& question) { doubts_.push_back({question}); }
 
   bool linear(std::size_t j) const { return session_.machine.joints()[j].kind == JointKind::kLinear; }
   const std::string& name(std::size_t j) const { return session_.machine.joints()[j].name; }
@@ -97,12 +97,9 @@ class RowAsker {
       const char* what;
       bool linear;
     };
-    constexpr double kLeast = 0.02;  // of the travel: what is shrunk to nothing is within any
+    constexpr double kLeast = 0.1;  // of the travel: what is shrunk to nothing is within any
     for (const Unit& u :
-         {Unit{1.0 / 25.4,
-               "divided by 25.4 it is within; is this another machine, or is it in mm instead of inches?",
-               true},
-          Unit{1e-3, "divided by 1000 it is within; is it in um instead of mm, or in mm instead of m?", true},
+         {Unit{1e-3, "divided by 1000 it is within; is it in um instead of mm, or in mm instead of m?", true},
           Unit{kDegree, "it is within if it is in degrees instead of radians; is it?", false},
           Unit{1.0 / 60.0, "divided by 60 it is within; is it in minutes of arc?", false},
           Unit{1.0 / 3600.0, "divided by 3600 it is within; is it in seconds of arc?", false}})

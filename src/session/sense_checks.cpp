@@ -64,6 +64,9 @@ class Asker {
     return imported() ? name + "_" + readingUnit(session_.machine.joints()[j]).symbol : name;
   }
 
+  /// A question that the geometry does not judge, and that comes before any physics.
+  void first(const std::string& question) { doubts_.push_back({question, kNotMeasured, kNotMeasured, true}); }
+
   void temperatures() {
     constexpr double kKelvin = 200.0;                           // degC: no sensor of a machine reads above
     constexpr double kWarm = 55.0, kHot = 110.0, kRoom = 15.0;  // degF of a room, and how far it may change
@@ -80,11 +83,10 @@ class Asker {
       const std::string is =
           format("temperature %s is %.4g to %.4g: is it ", session_.temperatures[i].name.c_str(), low, high);
       if (low > kKelvin)
-        doubts_.push_back({is + "kelvin? (degC expected)", kNotMeasured, kNotMeasured, true});
+        first(is + "kelvin? (degC expected)");
       else if (fahrenheit)
         doubts_.push_back({is + format("Fahrenheit? (degC expected; it would be %.3g to %.3g degC)",
-                                       (low - 32.0) / 1.8, (high - 32.0) / 1.8),
-                           kNotMeasured, kNotMeasured});
+                                       (low - 32.0) / 1.8, (high - 32.0) / 1.8)});
     }
   }
 
@@ -106,12 +108,10 @@ class Asker {
       if (count < kFewest || !(readings.size() > 0.0) || !(sums.size() < kTheSame * readings.size()))
         continue;
       const std::string name = session_.machine.joints()[j].name;
-      doubts_.push_back(
-          {"the deviations of " + name + " are its readings with the other sign: what they were " +
-               "compared with is the same place in all " + std::to_string(count) +
-               " rows; was the reading itself meant as the deviation? (else give the positions that " +
-               "an independent instrument measured)",
-           kNotMeasured, kNotMeasured, true});
+      first("the deviations of " + name + " are its readings with the other sign: what they were " +
+            "compared with is the same place in all " + std::to_string(count) +
+            " rows; was the reading itself meant as the deviation? (else give the positions that " +
+            "an independent instrument measured)");
     }
   }
 
@@ -257,21 +257,18 @@ class Asker {
   void approaches() {
     constexpr double kAway = -0.8, kBeside = 0.8, kAt = 0.95;
     if (!(base_.aligned < kBeside)) return;
-    if (base_.aligned < kAway) {
-      doubts_.push_back({format("the recorded approaches point away from the balls (mean cosine %.2f): is "
-                                "the approach reversed? (the motion of the tip into the surface is expected)",
-                                base_.aligned),
-                         kNotMeasured, kNotMeasured, true});
-      return;
-    }
+    if (base_.aligned < kAway)
+      return first(
+          format("the recorded approaches point away from the balls (mean cosine %.2f): is the approach "
+                 "reversed? (the motion of the tip into the surface is expected)",
+                 base_.aligned));
     for (std::size_t j = 0; j < session_.machine.joints().size(); ++j) {
       const Agreement a = geometry_.judge([j](std::vector<double>& q) { q[j] = -q[j]; });
       if (!(a.aligned > kAt) || !(a.misfit < kAsGood * std::max(base_.misfit, kMicrometre))) continue;
-      doubts_.push_back({"with " + column(j) +
-                             format(" reversed the recorded approaches point at the balls (mean cosine %.2f "
-                                    "instead of %.2f): is its sign wrong?",
-                                    a.aligned, base_.aligned),
-                         kNotMeasured, kNotMeasured, true});
+      first("with " + column(j) +
+            format(" reversed the recorded approaches point at the balls (mean cosine %.2f instead of %.2f): "
+                   "is its sign wrong?",
+                   a.aligned, base_.aligned));
     }
   }
 

@@ -2,8 +2,9 @@
 
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <cstring>
+
+#include "base/format.h"
 
 namespace mm {
 namespace {
@@ -47,10 +48,7 @@ class Hash {
     (add(values), ...);
   }
   std::string digits() const {
-    char buffer[33];
-    std::snprintf(buffer, sizeof buffer, "%016llx%016llx", static_cast<unsigned long long>(a_),
-                  static_cast<unsigned long long>(b_));
-    return buffer;
+    return format("%016llx%016llx", static_cast<unsigned long long>(a_), static_cast<unsigned long long>(b_));
   }
 
  private:

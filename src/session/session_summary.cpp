@@ -1,7 +1,6 @@
 #include "session/session_summary.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/format.h"
 #include "base/range.h"
@@ -123,9 +122,7 @@ std::string assumedText(const Session& session) {
   for (const AssumedInput& a : session.assumed) {
     auto way = std::find_if(ways.begin(), ways.end(), [&](const auto& w) { return w.first == a.how; });
     if (way == ways.end()) way = ways.insert(way, {a.how, ""});
-    char share[32];
-    std::snprintf(share, sizeof share, " in %.3g %%", 100.0 * a.share);
-    way->second += (way->second.empty() ? "" : ", ") + a.joint + share;
+    way->second += (way->second.empty() ? "" : ", ") + a.joint + format(" in %.3g %%", 100.0 * a.share);
   }
   std::string text;
   for (const auto& [how, joints] : ways)

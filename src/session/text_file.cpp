@@ -1,7 +1,6 @@
 #include "session/text_file.h"
 
 #include <algorithm>
-#include <cctype>
 
 #include "base/error.h"
 #include "base/read_file.h"
@@ -11,21 +10,10 @@ namespace mm {
 namespace {
 
 void append(std::string& text, char32_t c) {
-  if (c < 0x80) {
-    text += static_cast<char>(c);
-  } else if (c < 0x800) {
-    text += static_cast<char>(0xC0 | (c >> 6));
-    text += static_cast<char>(0x80 | (c & 0x3F));
-  } else if (c < 0x10000) {
-    text += static_cast<char>(0xE0 | (c >> 12));
-    text += static_cast<char>(0x80 | ((c >> 6) & 0x3F));
-    text += static_cast<char>(0x80 | (c & 0x3F));
-  } else {
-    text += static_cast<char>(0xF0 | (c >> 18));
-    text += static_cast<char>(0x80 | ((c >> 12) & 0x3F));
-    text += static_cast<char>(0x80 | ((c >> 6) & 0x3F));
-    text += static_cast<char>(0x80 | (c & 0x3F));
-  }
+  constexpr char32_t kLead[] = {0x00, 0xC0, 0xE0, 0xF0};  // by the number of bytes behind it
+  const int more = c < 0x80 ? 0 : c < 0x800 ? 1 : c < 0x10000 ? 2 : 3;
+  text += static_cast<char>(kLead[more] | (c >> 6 * more));
+  for (int k = more - 1; k >= 0; --k) text += static_cast<char>(0x80 | ((c >> 6 * k) & 0x3F));
 }
 
 std::string fromUtf16(const std::string& bytes, std::size_t begin, bool bigEndian) {
@@ -76,10 +64,8 @@ std::string fromLatin1(const std::string& bytes) {
 
 }  // namespace
 
-TextFile::TextFile(const std::filesystem::path& file) : path_(file) {
-  decode(readWholeFile(file, "name a file of measurements"));
-  split();
-}
+TextFile::TextFile(const std::filesystem::path& file)
+    : TextFile(file, readWholeFile(file, "name a file of measurements")) {}
 
 TextFile::TextFile(std::filesystem::path name, std::string bytes) : path_(std::move(name)) {
   decode(std::move(bytes));

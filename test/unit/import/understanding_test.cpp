@@ -73,6 +73,38 @@ TEST_F(Understanding, DateAndTimeInTwoColumns) {
   EXPECT_DOUBLE_EQ(i.session->epoch, 1795305590.0);
 }
 
+/// Epoch of a run with these lines above it, s since 1970.
+static double epochBelow(const test::Importer& importer, const std::string& head,
+                         const std::string& mapping = "") {
+  const std::string run = "Soll [mm];1+;1-\n0;1;2\n10;1;2\n20;1;-3\n";
+  return importer.text(head + "\n" + run, "axis: x\nunit: um\n" + mapping).session->epoch;
+}
+
+TEST_F(Understanding, TheDateOfMeasurementInTheHead) {
+  constexpr double kNovember27 = 1795737600.0, kNone = 1e9;
+  for (const char* head :
+       {"Datum: 27.11.2026", "# Date: 2026-11-27", "Date;27/11/2026;", "\"Measurement date\",\"2026-11-27\"",
+        "gemessen am 27.11.2026 durch N. N.", "Date de mesure : 27/11/2026", "Fecha = 2026/11/27",
+        "Datum: 28.11.2026\nMessdatum: 27.11.2026", "Date: 11/27/2026  Time: 09:12 AM"})
+    EXPECT_EQ(epochBelow(importer_, head), kNovember27) << head;
+  EXPECT_EQ(epochBelow(importer_, "Datum: 27.11.2026 10:15"), kNovember27 + 36900.0);
+  for (const char* head : {"Kalibrierdatum: 27.11.2026", "Datum: 31.02.2026", "Date: ", "Date: 11/12/2026"})
+    EXPECT_EQ(epochBelow(importer_, head), kNone) << head;
+  EXPECT_EQ(epochBelow(importer_, "Date: 12/11/2026", "date: day_first\n"), kNovember27 - 15 * 86400.0);
+  const Imported unclear = importer_.text("Date: 11/12/2026\nclock;x_mm;deviation_x_um\n10:15;0;1\n");
+  EXPECT_THAT(unclear.notes, ::testing::Contains(AllOf(HasSubstr("line 1"), HasSubstr("date: day_first"))));
+}
+
+TEST_F(Understanding, ADateInTheHeadIsTheDayOfTheRowsTimes) {
+  const auto epoch = [&](const std::string& times) {
+    return importer_.text("Datum: 27.11.2026 08:00\n" + times + ",0,1\n").session->epoch;
+  };
+  constexpr double kNovember27 = 1795737600.0;
+  EXPECT_EQ(epoch("clock,x_mm,deviation_x_um\n10:15"), kNovember27 + 36900.0);
+  EXPECT_EQ(epoch("t [s],x_mm,deviation_x_um\n1000000"), kNovember27 + 28800.0) << "counted from anywhere";
+  EXPECT_EQ(epoch("when,x_mm,deviation_x_um\n2026-11-21T10:15:00"), 1795256100.0) << "the rows' own";
+}
+
 TEST_F(Understanding, LengthsThatMayBeInchesAreNotGuessed) {
   // ±0.6 of a machine of ±20 mm: 3 % of its travel in mm, three quarters of it in inches
   const std::string csv = "X;deviation_x_um\n-0.6;1\n0;2\n0.6;3\n";

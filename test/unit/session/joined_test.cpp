@@ -65,6 +65,20 @@ TEST(Joined, StandsInTheOrderOfItsDates) {
   EXPECT_THAT(refusal(a, b), HasSubstr("before the end of a.bag"));
 }
 
+TEST(Joined, ADayWithoutATimeOfDayTellsNoOrderWithinIt) {
+  test::TurnedPlate plate(4);
+  constexpr double kDay = 86400.0;
+  Session a = plate.session("a.bag", {0.0}), b = plate.session("b.bag", {0.0});
+  a.epoch = b.epoch = 20000 * kDay;
+  const Session both = joined({a, b});
+  EXPECT_EQ(both.recordings[0].source, "a.bag");
+  EXPECT_GT(both.recordings[1].begin, kDay);
+  EXPECT_THAT(both.warning, HasSubstr("no time of day"));
+  b.epoch = a.epoch + kDay;
+  EXPECT_EQ(joined({a, b}).recordings[1].begin, kDay);
+  EXPECT_EQ(joined({a, b}).warning, "");
+}
+
 TEST(Joined, RefusesWhatDoesNotBelongTogether) {
   test::TurnedPlate plate(5);
   const Session a = plate.session("a.bag", {0.0}), b = plate.session("b.bag", {0.0});
