@@ -7,6 +7,7 @@
 
 #include "base/cancel_scope.h"
 #include "base/error.h"
+#include "base/format.h"
 #include "calibration_file/calibration_store.h"
 #include "calibration_file/calibration_yaml.h"
 #include "compensation/apply_states.h"
@@ -14,6 +15,7 @@
 #include "tools/bounds.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
+#include "tools/one_line.h"
 #include "tools/output_files.h"
 #include "tools/progress_bar.h"
 
@@ -32,7 +34,7 @@ Calibration chosenCalibration(const ApplyOptions& options) {
   const CalibrationStore store(options.store.empty() ? CalibrationStore::defaultFolder()
                                                      : std::filesystem::path(options.store));
   CalibrationStore::Active active = store.active();
-  if (!active.warning.empty()) std::cerr << "mm: warning: " << active.warning << '\n';
+  warn(active.warning);
   if (!active.calibration)
     throw InputError("nothing is active in " + store.folder().string() + "; name a file with --calibration");
   return *active.calibration;
@@ -89,10 +91,9 @@ void runApply(ApplyOptions& options) {
     std::fflush(stdout);
   }
   if (!applied.firstReason.empty())
-    std::cerr << "mm: warning: " << applied.rows - applied.valid << " of " << applied.rows
-              << " rows are not valid: " << options.csv << ", " << applied.firstReason << '\n';
-  if (!applied.firstNote.empty())
-    std::cerr << "mm: note: " << options.csv << ", " << applied.firstNote << '\n';
+    warn(format("%zu of %zu rows are not valid: ", applied.rows - applied.valid, applied.rows) + options.csv +
+         ", " + applied.firstReason);
+  if (!applied.firstNote.empty()) say("note: " + options.csv + ", " + applied.firstNote);
 }
 
 }  // namespace

@@ -26,15 +26,14 @@ struct BatchCommand {
 constexpr std::size_t kWhysPrinted = 20;
 
 void print(const BatchSummary& s, const BatchCommand& c) {
-  for (std::size_t i = 0; i < std::min(s.whys.size(), kWhysPrinted); ++i)
-    std::cerr << "mm: failed: " << oneLine(s.whys[i]) << std::endl;
+  for (std::size_t i = 0; i < std::min(s.whys.size(), kWhysPrinted); ++i) say("failed: " + s.whys[i]);
   if (s.whys.size() > kWhysPrinted)
-    std::cerr << "mm: failed: " << s.whys.size() - kWhysPrinted << " more; mm fleet " << c.output
-              << " lists them" << std::endl;
-  if (!s.complaint.empty()) std::cerr << "mm: warning: snakemake: " << oneLine(s.complaint) << std::endl;
+    say("failed: " + std::to_string(s.whys.size() - kWhysPrinted) + " more; mm fleet " + c.output +
+        " lists them");
+  if (!s.complaint.empty()) warn("snakemake: " + s.complaint);
   if (s.left > 0 && !s.stopped)
-    std::cerr << "mm: " << s.left << " jobs were not done; " << c.output
-              << "/batch.log says why; run the same command again" << std::endl;
+    say(std::to_string(s.left) + " jobs were not done; " + c.output +
+        "/batch.log says why; run the same command again");
   if (c.json) {
     printJson(std::cout, {{"folder", c.output},
                           {"jobs", s.jobs},
@@ -59,13 +58,11 @@ int run(const BatchCommand& c) {
   if (c.manifest.empty() || c.output.empty())
     throw InputError("a manifest and -o are required; see mm batch --help");
   const Manifest manifest = loadManifest(c.manifest);
-  for (const std::string& remark : manifest.remarks)
-    std::cerr << "mm: warning: " << oneLine(remark) << std::endl;
+  warn(manifest.remarks);
   const BatchSummary s = runBatch(manifest, ResultsFolder(c.output), c.engine, c.again);
   print(s, c);
   if (s.stopped) {
-    std::cerr << "mm: stopped by Ctrl-C; finished jobs are kept, run the same command to continue"
-              << std::endl;
+    say("stopped by Ctrl-C; finished jobs are kept, run the same command to continue");
     return kStopped;
   }
   return s.whys.empty() && s.left == 0 ? kDone : kAnswerIsNo;

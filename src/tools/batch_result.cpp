@@ -87,7 +87,8 @@ JobResult judge(const BatchJob& job) {
   };
   try {
     judgeSteps(result);
-    if (!result.again && keyOf(job) != job.key) fail("inputs", "a file changed while the batch ran; run it again", true);
+    if (!result.again && keyOf(job) != job.key)
+      fail("inputs", "a file changed while the batch ran; run it again", true);
     if (result.status == "done") readStepFiles(".", job, result);
   } catch (const std::exception& e) {
     fail("results", e.what(), true);

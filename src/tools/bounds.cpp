@@ -5,7 +5,10 @@
 #include <cmath>
 #include <limits>
 
+#include "base/error.h"
 #include "base/format.h"
+#include "base/number_text.h"
+#include "base/text.h"
 
 namespace mm {
 namespace {
@@ -45,6 +48,40 @@ CLI::Validator wholeNumberWithin(std::uint64_t lower, std::uint64_t upper) {
 CLI::Validator anySeed() {
   const std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
   return CLI::Validator(wholeNumberWithin(0, most)).description("");
+}
+
+std::pair<std::string, std::string> assignmentOf(const std::string& text, const std::string& option,
+                                                 const std::string& example) {
+  const std::size_t at = text.find('=');
+  if (at == std::string::npos || at == 0 || at + 1 == text.size())
+    throw InputError(option + " '" + text + "' is not name=value; write " + example);
+  return {text.substr(0, at), text.substr(at + 1)};
+}
+
+double optionNumber(const std::string& text, const std::string& option, double lower, double upper,
+                    const std::string& example) {
+  double value = 0.0;
+  const std::string bare(trim(text));
+  if (!parseNumber(bare, value) || !(value >= lower && value <= upper))
+    throw InputError(option + ": '" + bare + "' is not a number from " + numberText(lower) + " to " +
+                     numberText(upper) + "; write " + example);
+  return value;
+}
+
+std::vector<double> listOfNumbers(const std::string& text, const std::string& option, std::size_t count,
+                                  const std::string& example) {
+  std::vector<double> values;
+  std::size_t from = 0;
+  for (;;) {
+    const std::size_t end = text.find(',', from);
+    values.push_back(optionNumber(text.substr(from, end - from), option, -1e9, 1e9, example));
+    if (end == std::string::npos) break;
+    from = end + 1;
+  }
+  if (values.size() != count)
+    throw InputError(option + " '" + text + "' has " + std::to_string(values.size()) + " numbers, it needs " +
+                     std::to_string(count) + "; write " + example);
+  return values;
 }
 
 }  // namespace mm

@@ -112,19 +112,14 @@ int runCalibrate(CalibrateCommand& c) {
   options.niching.eliminate = !c.traditional;
   options.stagedMutation.validate();
   options.niching.validate();
-  for (const std::string& bag : c.bags.paths) c.files.input(bag);
+  c.files.input(c.bags.paths);
   c.files.input(c.model);
   c.files.output("-o", c.output, FileKind::kCalibration);
   c.files.output("--curve", c.curve, FileKind::kCurve);
   c.files.check();
   PriorOfSisters prior(c.prior, c.priorExcept);
   const ModelSpec model = loadModelSpec(c.model);
-  const std::filesystem::path folder = std::filesystem::path(c.model).parent_path();
-  std::optional<Machine> machine;
-  if (!model.machine.empty()) machine = Machine::load(model.machine, folder);
-  Session session = loadSession(c.bags.joined(), machine ? &*machine : nullptr, c.fit.space);
-  checkMachine(model, folder, session);
-  checkEffects(model, c.model, session);
+  Session session = loadSession(c.bags.joined(), model, c.model, c.fit.space);
   const std::vector<Doubt> questions = askFirst(session);
   std::vector<std::string> hashes{sessionHash(session)};
   if (c.twoSteps) {
@@ -133,27 +128,24 @@ int runCalibrate(CalibrateCommand& c) {
   }
   c.files.checkSession(hashes, 1);
 
-  std::optional<Recalibration> done;
-  {
-    ProgressBar bar("calibrating");
-    options.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
-    done = prior.join(recalibrate(session, model, options), session, options);
-  }
+  Recalibration done = withBar("calibrating", options, [&] {
+    return prior.join(recalibrate(session, model, options), session, options);
+  });
   std::vector<std::string> doubts = postureDoubts(session);
   const bool asked =
       std::any_of(questions.begin(), questions.end(), [](const Doubt& d) { return std::isfinite(d.before); });
-  if (!done->result.cancelled && !asked)
-    for (const std::string& doubt : fitDoubts(done->result)) doubts.push_back(doubt);
+  if (!done.result.cancelled && !asked)
+    for (const std::string& doubt : fitDoubts(done.result)) doubts.push_back(doubt);
   warn(doubts);
-  const int status = verdictOf(done->result);
-  done->calibration.sessionSpace = bagSpace(c.bags.joined(), c.fit.space);
-  if (!c.output.empty()) c.files.write(c.output, done->calibration);
-  const bool angular = !std::isfinite(done->result.figures.rms);
+  const int status = verdictOf(done.result);
+  done.calibration.sessionSpace = bagSpace(c.bags.joined(), c.fit.space);
+  if (!c.output.empty()) c.files.write(c.output, done.calibration);
+  const bool angular = !std::isfinite(done.result.figures.rms);
   if (!c.curve.empty())
-    c.files.write(c.curve, done->result.genetic ? curveCsv(*done->result.genetic, angular)
-                                                : curveCsv(GeneticSummary(), angular));
+    c.files.write(c.curve, done.result.genetic ? curveCsv(*done.result.genetic, angular)
+                                               : curveCsv(GeneticSummary(), angular));
   if (c.json) {
-    const std::string json = calibrateJson(done->result, questions);
+    const std::string json = calibrateJson(done.result, questions);
     if (prior.asked()) {
       auto more = nlohmann::ordered_json::parse(json);
       more["prior"] = prior.json();
@@ -162,10 +154,9 @@ int runCalibrate(CalibrateCommand& c) {
       std::cout << json << '\n';
     }
   } else {
-    std::cout << calibrateText(done->result);
-    std::cout << '\n';
+    std::cout << calibrateText(done.result) << '\n';
     if (!c.output.empty()) std::cout << "written to " << c.output << '\n';
-    if (!done->result.cancelled) std::cout << nextText(done->result, c.bags.joined(), c.output);
+    if (!done.result.cancelled) std::cout << nextText(done.result, c.bags.joined(), c.output);
   }
   return status;
 }

@@ -22,12 +22,11 @@
 #include "tools/commands.h"
 #include "tools/exit_status.h"
 #include "tools/output_files.h"
-#include "tools/pdf_printer.h"
+#include "tools/outside_programs.h"
 #include "tools/progress_bar.h"
 #include "tools/session_input.h"
 #include "tools/store_options.h"
 #include "tools/uncertainty_options.h"
-#include "tools/xml_signer.h"
 #include "workflow/recalibration.h"
 
 namespace mm {
@@ -166,9 +165,8 @@ CertifiedSession heldAgainst(const CertificateCommand& c, const Calibration& cal
   if (c.uncertainty.repeatabilityUm > 0.0)
     options.repeatability = c.uncertainty.repeatabilityUm * kMicrometre;
   const Session session = loadSession(c.bag, calibration, c.fit.space);
-  ProgressBar bar("comparing");
-  options.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
-  const CalibrationResult compared = compareCalibration(session, calibration, options);
+  const CalibrationResult compared =
+      withBar("comparing", options, [&] { return compareCalibration(session, calibration, options); });
   CertifiedSession held;
   held.path = c.bag;
   held.sameSession = !calibration.sessionHash.empty() && calibration.sessionHash == sessionHash(session);
@@ -216,7 +214,7 @@ std::optional<StoreRecord> recordOf(const CertificateCommand& c, const Calibrati
     return storeRecord(c.store.storeFor(calibration), calibration);
   } catch (const InputError& e) {
     if (!c.store.folder.empty()) throw;
-    std::cerr << "mm: warning: the history of use is left out: " << e.what() << std::endl;
+    warn(std::string("the history of use is left out: ") + e.what());
     return std::nullopt;
   }
 }
@@ -230,7 +228,7 @@ void withStore(const Certificate& certificate, const Use& use) {
   try {
     use(CalibrationStore(certificate.store->folder));
   } catch (const InputError& e) {
-    std::cerr << "mm: warning: this issue is not listed in the store: " << e.what() << std::endl;
+    warn(std::string("this issue is not listed in the store: ") + e.what());
   }
 }
 
@@ -324,11 +322,10 @@ void runCertificate(CertificateCommand& c, int& exitStatus) {
     std::cout << "SHA-256 " << checkCertificate(content, c.output).sha256 << '\n';
   for (const CertifiedTask& task : certificate.tasks) {
     if (task.asked && !task.noConformity.empty())
-      std::cerr << "mm: warning: " << task.result.task
-                << ": no statement of conformity: " << joined(task.noConformity, "; ") << '\n';
+      warn(task.result.task + ": no statement of conformity: " + joined(task.noConformity, "; "));
     else
       for (const std::string& why : task.result.outside)
-        std::cerr << "mm: warning: " << task.result.task << ": the calibration does not hold " << why << '\n';
+        warn(task.result.task + ": the calibration does not hold " + why);
     if (!task.result.outside.empty() || (task.asked && task.verdicts.empty())) exitStatus = kAnswerIsNo;
     for (const TaskVerdict& v : task.verdicts)
       if (v.conformity != Conformity::kConforms) exitStatus = kAnswerIsNo;

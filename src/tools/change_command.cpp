@@ -1,5 +1,3 @@
-#include "tools/change_command.h"
-
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
@@ -13,8 +11,8 @@
 #include "report/text.h"
 #include "session/session_hash.h"
 #include "tools/bounds.h"
+#include "tools/commands.h"
 #include "tools/exit_status.h"
-#include "tools/one_line.h"
 #include "tools/output_files.h"
 #include "tools/progress_bar.h"
 #include "tools/session_input.h"
@@ -22,6 +20,10 @@
 
 namespace mm {
 namespace {
+
+/// What `add` and `remove` share: one effect more or less, everything refitted, the ledger told.
+using ModelChange = Recalibration (*)(const Session&, const Calibration&, const EffectSpec&,
+                                      const CalibrateOptions&);
 
 struct ChangeOptions {
   std::vector<std::string> given;  // bags, and behind them the effect
@@ -33,6 +35,16 @@ struct ChangeOptions {
   OutputFiles files;
 };
 
+void print(const ChangeOptions& c, const Recalibration& done) {
+  if (c.json) {
+    std::cout << changeJson(done.result, done.calibration.ledger) << '\n';
+    return;
+  }
+  std::cout << ledgerText(done.calibration, !std::isfinite(done.result.figures.rms)) << '\n'
+            << calibrateText(done.result);
+  if (!c.output.empty()) std::cout << "\nwritten to " << c.output << '\n';
+}
+
 /// Each step is written when it is done: whoever is killed loses at most one.
 int runAll(ChangeOptions& c, const Session& session, const Calibration& before,
            const CalibrateOptions& options) {
@@ -43,12 +55,11 @@ int runAll(ChangeOptions& c, const Session& session, const Calibration& before,
   const auto keep = [&](const Diagnosis& diagnosis, Recalibration& step) {
     if (!c.output.empty()) c.files.write(c.output, step.calibration);
     bar.emplace("diagnosing");
-    std::cerr << "mm: " << oneLine(diagnosis.sentence + " Added: " + step.calibration.effects.back().yaml())
-              << std::endl;
+    say(diagnosis.sentence + " Added: " + step.calibration.effects.back().yaml());
   };
   const Learned learned = learnAll(session, before, diagnosing(shown), c.most, keep);
   bar.reset();
-  std::cerr << "mm: " << oneLine(learned.sentence) << std::endl;
+  say(learned.sentence);
   if (!learned.last) {  // the file is written all the same: it is what there is to use
     if (learned.stopped) throw Cancelled("stopped before anything was added");
     if (!c.output.empty()) {
@@ -64,21 +75,13 @@ int runAll(ChangeOptions& c, const Session& session, const Calibration& before,
   }
   const Recalibration& last = *learned.last;
   const int status = verdictOf(last.result);
-  if (c.json) {
-    std::cout << changeJson(last.result, last.calibration.ledger) << '\n';
-  } else {
-    std::cout << ledgerText(last.calibration, !std::isfinite(last.result.figures.rms)) << '\n'
-              << calibrateText(last.result);
-    if (!c.output.empty()) std::cout << "\nwritten to " << c.output << '\n';
-  }
+  print(c, last);
   if (learned.stopped) {
-    std::cerr << "mm: stopped by Ctrl-C after " << learned.steps << " steps, which are in the written file"
-              << std::endl;
+    say("stopped by Ctrl-C after " + std::to_string(learned.steps) + " steps, which are in the written file");
     return kStopped;
   }
   if (learned.complete) return status;
-  std::cerr << "mm: after " << learned.steps << " steps an effect is still missing; run mm diagnose"
-            << std::endl;
+  say("after " + std::to_string(learned.steps) + " steps an effect is still missing; run mm diagnose");
   return kAnswerIsNo;
 }
 
@@ -98,7 +101,7 @@ void takeGiven(ChangeOptions& c) {
 
 int runChange(ChangeOptions& c, ModelChange change) {
   takeGiven(c);
-  for (const std::string& bag : c.bags.paths) c.files.input(bag);
+  c.files.input(c.bags.paths);
   c.files.calibration(c.calibration);
   c.files.output("-o", c.output, FileKind::kCalibration);
   c.files.check();
@@ -112,26 +115,16 @@ int runChange(ChangeOptions& c, ModelChange change) {
   const std::size_t steps = before.ledger.size() + (c.all ? c.most : 1);
   c.files.checkSession({sessionHash(session)}, steps);
   if (c.all) return runAll(c, session, before, options);
-  std::optional<Recalibration> done;
-  {
-    ProgressBar bar("refitting");
-    options.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
-    done = change(session, before, effect, options);
-  }
-  const int status = verdictOf(done->result);
-  if (!c.output.empty()) c.files.write(c.output, done->calibration);
-  if (c.json) {
-    std::cout << changeJson(done->result, done->calibration.ledger) << '\n';
-    return status;
-  }
-  std::cout << ledgerText(done->calibration, !std::isfinite(done->result.figures.rms)) << '\n'
-            << calibrateText(done->result);
-  if (!c.output.empty()) std::cout << "\nwritten to " << c.output << '\n';
+  Recalibration done =
+      withBar("refitting", options, [&] { return change(session, before, effect, options); });
+  const int status = verdictOf(done.result);
+  if (!c.output.empty()) c.files.write(c.output, done.calibration);
+  print(c, done);
   return status;
 }
 
-}  // namespace
-
+/// @param command the subcommand, without options yet. @param all whether --all goes the whole way: diagnose
+/// and add until nothing is missing.
 void declareChange(CLI::App& command, ModelChange change, bool all, const std::string& example,
                    int& exitStatus) {
   auto c = std::make_shared<ChangeOptions>();
@@ -154,6 +147,26 @@ void declareChange(CLI::App& command, ModelChange change, bool all, const std::s
   c->fit.declare(command, all);
   command.footer("Example:\n  " + example);
   command.callback([c, change, &exitStatus] { exitStatus = runChange(*c, change); });
+}
+
+}  // namespace
+
+void addAddCommand(CLI::App& app, int& exitStatus) {
+  declareChange(
+      *app.add_subcommand("add",
+                          "Add an effect to the model, refit everything and record the result in the ledger"),
+      addEffect, true,
+      "mm add plate.bag --calibration plate.yaml '{type: backlash, axis: x}' -o plate2.yaml\n"
+      "  mm add plate.bag --calibration plate.yaml --all -o plate9.yaml",
+      exitStatus);
+}
+
+void addRemoveCommand(CLI::App& app, int& exitStatus) {
+  declareChange(
+      *app.add_subcommand(
+          "remove", "Remove an effect from the model, refit everything and record the result in the ledger"),
+      removeEffect, false,
+      "mm remove plate.bag --calibration plate2.yaml '{type: backlash, axis: x}' -o plate3.yaml", exitStatus);
 }
 
 }  // namespace mm

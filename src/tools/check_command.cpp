@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -7,7 +6,6 @@
 #include "design/point_set.h"
 #include "tools/commands.h"
 #include "tools/session_input.h"
-#include "workflow/recalibration.h"
 
 namespace mm {
 namespace {
@@ -20,15 +18,9 @@ struct CheckCommand {
 
 int runCheck(const CheckCommand& c) {
   std::optional<ModelSpec> model;
-  std::optional<Machine> machine;
-  const std::filesystem::path folder = std::filesystem::path(c.model).parent_path();
-  if (!c.model.empty()) {
-    model = loadModelSpec(c.model);
-    if (!model->machine.empty()) machine = Machine::load(model->machine, folder);
-  }
-  const Session session = loadSession(c.bags.joined(), machine ? &*machine : nullptr, c.space);
-  if (model) checkMachine(*model, folder, session);
-  if (model) checkEffects(*model, c.model, session);
+  if (!c.model.empty()) model = loadModelSpec(c.model);
+  const Session session = model ? loadSession(c.bags.joined(), *model, c.model, c.space)
+                                : loadSession(c.bags.joined(), nullptr, c.space);
   const PointSet set = checkPointSet(session, model ? &*model : nullptr);
   std::cout << (c.json ? pointSetJson(set) + "\n" : pointSetText(set));
   return set.hasModel && set.identifiability.incomplete() ? 1 : 0;

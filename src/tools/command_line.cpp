@@ -132,6 +132,18 @@ std::string takenInZsh(const CommandOption& o) {
 
 std::string firstWord(const std::string& name) { return name.substr(0, name.find(' ')); }
 
+/// Each first word of a command that has second ones, and these.
+std::vector<std::pair<std::string, std::string>> secondWords(const CLI::App& app) {
+  std::vector<std::pair<std::string, std::string>> nested;
+  for (const Command& c : commandsOf(app)) {
+    const std::string word = firstWord(c.name);
+    if (c.name == word) continue;
+    if (nested.empty() || nested.back().first != word) nested.push_back({word, ""});
+    nested.back().second += (nested.back().second.empty() ? "" : " ") + c.name.substr(word.size() + 1);
+  }
+  return nested;
+}
+
 /// Between single quotes of a shell, and for zsh's _arguments.
 std::string quotedForZsh(const std::string& text) {
   std::string out;
@@ -208,14 +220,9 @@ std::vector<CommandOption> commonOptions(const CLI::App& app) {
 std::string bashCompletion(const CLI::App& app) {
   std::vector<std::string> first;
   std::ostringstream cases;
-  std::vector<std::pair<std::string, std::string>> nested;  // a first word and its second ones
   for (const Command& c : commandsOf(app)) {
     const std::string word = firstWord(c.name);
     if (first.empty() || first.back() != word) first.push_back(word);
-    if (c.name != word) {
-      if (nested.empty() || nested.back().first != word) nested.push_back({word, ""});
-      nested.back().second += (nested.back().second.empty() ? "" : " ") + c.name.substr(word.size() + 1);
-    }
     cases << "    '" << c.name << "')\n      options='" << namesOf(c.options) << "'\n";
     std::ostringstream values;
     for (const CommandOption& o : c.options)
@@ -240,7 +247,7 @@ std::string bashCompletion(const CLI::App& app) {
          "    return\n"
          "  fi\n"
          "  case \"$command\" in\n";
-  for (const auto& [word, seconds] : nested)
+  for (const auto& [word, seconds] : secondWords(app))
     out << "    " << word << ")\n      if ((COMP_CWORD == 2)); then\n        COMPREPLY=($(compgen -W '"
         << seconds
         << "' -- \"$current\"))\n        return\n      fi\n      command+=\" ${COMP_WORDS[2]}\"\n      ;;\n";
@@ -284,22 +291,11 @@ std::string zshCompletion(const CLI::App& app) {
     cases << "\n      ;;\n";
   }
   std::ostringstream nested;
-  last.clear();
-  for (const Command& c : commandsOf(app)) {
-    const std::string word = firstWord(c.name);
-    if (c.name == word) continue;
-    if (word != last)
-      nested << "  if [[ \"$command\" == " << word
-             << " ]]; then\n    if ((CURRENT == 3)); then\n      compadd --";
-    if (word != last)
-      for (const Command& other : commandsOf(app))
-        if (other.name != word && firstWord(other.name) == word)
-          nested << " " << other.name.substr(word.size() + 1);
-    if (word != last)
-      nested << "\n      return\n    fi\n    command+=\" ${words[3]}\"\n    shift words\n    ((CURRENT--))\n "
-                " fi\n";
-    last = word;
-  }
+  for (const auto& [word, seconds] : secondWords(app))
+    nested << "  if [[ \"$command\" == " << word
+           << " ]]; then\n    if ((CURRENT == 3)); then\n      compadd -- " << seconds
+           << "\n      return\n    fi\n    command+=\" ${words[3]}\"\n    shift words\n    ((CURRENT--))\n  "
+              "fi\n";
   std::ostringstream out;
   out << "#compdef mm\n"
          "# Completion of mm for zsh: mm completion zsh > a folder of $fpath/_mm\n"

@@ -33,6 +33,7 @@ void addPromoteCommand(CLI::App& app, int& exitStatus);
 void addRollbackCommand(CLI::App& app, int& exitStatus);
 void addMachineCommand(CLI::App& app, int& exitStatus);
 void addPlanCommand(CLI::App& app, int& exitStatus);
+void addPlanVerifyCommand(CLI::App& plan);  ///< of `plan`
 void addCompletionCommand(CLI::App& app, int& exitStatus);
 void addManualCommand(CLI::App& app, int& exitStatus);
 void addEffectsCommand(CLI::App& app, int& exitStatus);

@@ -18,17 +18,13 @@ void runCompare(const SessionAndCalibration& c) {
   CalibrateOptions options = c.fit.checked();
   const Calibration calibration = loadCalibration(c.calibration);
   const Session session = loadSession(c.bags.joined(), calibration, c.fit.space);
-  std::optional<Comparison> compared;
-  {
-    ProgressBar bar("comparing");
-    options.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
-    compared = compareWith(session, calibration, options);
-  }
-  warn(repeatabilityDoubts(compared->fit));
+  const Comparison compared =
+      withBar("comparing", options, [&] { return compareWith(session, calibration, options); });
+  warn(repeatabilityDoubts(compared.fit));
   if (c.json)
-    std::cout << compareJson(compared->fit, compared->where) << '\n';
+    std::cout << compareJson(compared.fit, compared.where) << '\n';
   else
-    std::cout << compareText(compared->fit, compared->where);
+    std::cout << compareText(compared.fit, compared.where);
 }
 
 }  // namespace

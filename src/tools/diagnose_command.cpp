@@ -22,7 +22,7 @@ struct DiagnoseCommand : SessionAndCalibration {
 };
 
 void runDiagnose(DiagnoseCommand& c) {
-  for (const std::string& bag : c.bags.paths) c.files.input(bag);
+  c.files.input(c.bags.paths);
   c.files.input(c.calibration);
   c.files.output("--moves", c.moves, FileKind::kMoves);
   c.files.check();
@@ -30,23 +30,19 @@ void runDiagnose(DiagnoseCommand& c) {
   const Calibration calibration = loadCalibration(c.calibration);
   const Session session = loadSession(c.bags.joined(), calibration, c.fit.space);
   askFirst(session);
-  std::optional<Diagnosis> diagnosis;
-  {
-    ProgressBar bar("diagnosing");
-    options.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
-    diagnosis = diagnoseCalibration(session, calibration, options);
-  }
-  warn(repeatabilityDoubts(diagnosis->base));
+  const Diagnosis diagnosis =
+      withBar("diagnosing", options, [&] { return diagnoseCalibration(session, calibration, options); });
+  warn(repeatabilityDoubts(diagnosis.base));
   if (!c.moves.empty()) {
-    const std::string plan = movesYaml(diagnosis->nextMeasurement, session);
+    const std::string plan = movesYaml(diagnosis.nextMeasurement, session);
     if (!plan.empty()) c.files.write(c.moves, plan);
     std::cerr << (plan.empty() ? "no moves are proposed: " + c.moves + " is not written\n"
                                : "moves written to " + c.moves + "\n");
   }
   if (c.json)
-    std::cout << diagnoseJson(*diagnosis) << '\n';
+    std::cout << diagnoseJson(diagnosis) << '\n';
   else
-    std::cout << diagnoseText(*diagnosis, c.bags.joined(), c.calibration);
+    std::cout << diagnoseText(diagnosis, c.bags.joined(), c.calibration);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "tools/commands.h"
 #include "tools/exit_status.h"
 #include "tools/json_output.h"
+#include "tools/one_line.h"
 #include "tools/output_files.h"
 #include "tools/progress_bar.h"
 
@@ -33,11 +34,9 @@ struct ExportCommand {
 std::map<std::string, std::string> lettersOf(const std::vector<std::string>& axes) {
   std::map<std::string, std::string> letters;
   for (const std::string& text : axes) {
-    const std::size_t equal = text.find('=');
-    if (equal == std::string::npos || equal == 0 || equal + 1 == text.size())
-      throw InputError("--axis '" + text + "' is not JOINT=LETTER; write e.g. table=x");
-    if (!letters.emplace(text.substr(0, equal), lower(text.substr(equal + 1))).second)
-      throw InputError("--axis '" + text + "': joint '" + text.substr(0, equal) + "' is given twice");
+    const auto [joint, letter] = assignmentOf(text, "--axis", "JOINT=LETTER, e.g. table=x");
+    if (!letters.emplace(joint, lower(letter)).second)
+      throw InputError("--axis '" + text + "': joint '" + joint + "' is given twice");
   }
   return letters;
 }
@@ -76,12 +75,10 @@ int runExport(ExportCommand& c) {
     for (const ExportedFile& file : judged.files) names.push_back(file.path);
     std::cout << joined(names, ", ") << '\n';
   }
-  std::cerr << "mm: "
-            << (needed.compensation().stated == ControllerCompensation::Stated::kNot ? "warning: " : "")
-            << judged.activeWords << '\n';
+  const bool stated = needed.compensation().stated != ControllerCompensation::Stated::kNot;
+  say((stated ? "" : "warning: ") + judged.activeWords);
   if (!judged.carriesNothing()) return kDone;
-  std::cerr << "mm: " << target.title << " can carry nothing of this calibration: it holds " << exported.holds
-            << '\n';
+  say(target.title + " can carry nothing of this calibration: it holds " + exported.holds);
   return kAnswerIsNo;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <map>
 #include <set>
 #include <sstream>
 
@@ -94,45 +95,25 @@ FileKind kindOf(const fs::path& file) {
 }
 
 std::string nameOf(FileKind kind) {
-  switch (kind) {
-    case FileKind::kNothing:
-      return "nothing";
-    case FileKind::kStream:
-      return "no regular file";
-    case FileKind::kBag:
-      return "a session's bag";
-    case FileKind::kCalibration:
-      return "a calibration";
-    case FileKind::kPage:
-      return "a report page";
-    case FileKind::kCertificate:
-      return "a certificate";
-    case FileKind::kPicture:
-      return "a picture (SVG)";
-    case FileKind::kMachine:
-      return "a machine (URDF)";
-    case FileKind::kModel:
-      return "a model";
-    case FileKind::kArtifact:
-      return "an artifact";
-    case FileKind::kPlan:
-      return "a measurement plan";
-    case FileKind::kMoves:
-      return "proposed moves";
-    case FileKind::kKey:
-      return "the key of a blind trial";
-    case FileKind::kTruth:
-      return "what a simulation hid";
-    case FileKind::kTable:
-      return "a table of measurements";
-    case FileKind::kStates:
-      return "a table of corrected states";
-    case FileKind::kCurve:
-      return "a convergence curve";
-    case FileKind::kOther:
-      break;
-  }
-  return "a file of another kind";
+  static const std::map<FileKind, const char*> kNames = {{FileKind::kNothing, "nothing"},
+                                                         {FileKind::kStream, "no regular file"},
+                                                         {FileKind::kBag, "a session's bag"},
+                                                         {FileKind::kCalibration, "a calibration"},
+                                                         {FileKind::kPage, "a report page"},
+                                                         {FileKind::kCertificate, "a certificate"},
+                                                         {FileKind::kPicture, "a picture (SVG)"},
+                                                         {FileKind::kMachine, "a machine (URDF)"},
+                                                         {FileKind::kModel, "a model"},
+                                                         {FileKind::kArtifact, "an artifact"},
+                                                         {FileKind::kPlan, "a measurement plan"},
+                                                         {FileKind::kMoves, "proposed moves"},
+                                                         {FileKind::kKey, "the key of a blind trial"},
+                                                         {FileKind::kTruth, "what a simulation hid"},
+                                                         {FileKind::kTable, "a table of measurements"},
+                                                         {FileKind::kStates, "a table of corrected states"},
+                                                         {FileKind::kCurve, "a convergence curve"},
+                                                         {FileKind::kOther, "a file of another kind"}};
+  return kNames.at(kind);
 }
 
 }  // namespace mm

@@ -7,7 +7,9 @@
 #include <memory>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "calibration_file/calibration_yaml.h"
+#include "report/json_parts.h"
 #include "report/trend_page.h"
 #include "tools/commands.h"
 #include "tools/file_kind.h"
@@ -30,12 +32,7 @@ struct HistoryOptions : StoreOptions {
   OutputFiles files;
 };
 
-std::string micrometres(double metres) {
-  if (!std::isfinite(metres)) return "-";
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3f", metres * 1e6);
-  return text;
-}
+std::string micrometres(double metres) { return std::isfinite(metres) ? format("%.3f", metres * 1e6) : "-"; }
 
 void printTable(const CalibrationStore& store, const std::vector<CalibrationStore::Entry>& entries) {
   if (entries.empty()) {
@@ -63,20 +60,7 @@ void printHistory(const HistoryOptions& options) {
   const CalibrationStore store = options.store();
   const auto entries = store.history();
   if (!options.json) return printTable(store, entries);
-  const auto entry = [](const CalibrationStore::Entry& e) -> Json {
-    return {{"id", e.id},
-            {"created", e.created},
-            {"active", e.active},
-            {"candidate", e.candidate},
-            {"promotions", e.promotions},
-            {"machine", e.machine},
-            {"effects", e.effects},
-            {"rms_um", e.rms * 1e6},
-            {"held_out_rms_um", e.heldOutRms * 1e6},
-            {"session", e.session},
-            {"damaged", e.damaged}};
-  };
-  printJson(std::cout, {{"store", store.folder().string()}, {"calibrations", jsonList(entries, entry)}});
+  printJson(std::cout, {{"store", store.folder().string()}, {"calibrations", jsonList(entries, storedJson)}});
 }
 
 /// An id of the store, "active" or "candidate", or a file.
@@ -112,9 +96,7 @@ void compare(const HistoryOptions& options) {
 }
 
 void trend(const HistoryOptions& options) {
-  if (!options.output.empty()) {
-    options.files.check();
-  }
+  if (!options.output.empty()) options.files.check();
   const CalibrationStore store = options.store();
   std::vector<Calibration> calibrations;
   std::vector<std::string> left;
@@ -132,7 +114,7 @@ void trend(const HistoryOptions& options) {
     left.push_back(other + ": of another machine");
   for (const std::string& again : refitted(calibrations))
     left.push_back(again + ": of a session that was calibrated again later");
-  for (const std::string& one : left) std::cerr << "mm: warning: left out: " << one << std::endl;
+  for (const std::string& one : left) warn("left out: " + one);
   const std::vector<ParameterTrend> trends = trendsOf(calibrations);
   if (options.json)
     std::cout << trendJson(trends, store.folder().string(), left) << '\n';

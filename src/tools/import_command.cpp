@@ -40,8 +40,7 @@ ImportPreview readFile(const ImportOptions& options) {
 /// Each fault of a file that is refused on a line. @throw InputError: the last.
 [[noreturn]] void refuse(const std::vector<std::string>& faults) {
   std::cout << std::flush;
-  for (std::size_t i = 0; i + 1 < faults.size(); ++i)
-    std::cerr << "mm: error: " << oneLine(faults[i]) << std::endl;
+  for (std::size_t i = 0; i + 1 < faults.size(); ++i) say("error: " + faults[i]);
   throw InputError(faults.back());
 }
 

@@ -1,13 +1,13 @@
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <memory>
-#include <sstream>
 
 #include "base/error.h"
+#include "base/number_text.h"
 #include "base/units.h"
+#include "effects/effect_spec.h"
 #include "machine/iso230_axes.h"
 #include "machine/new_machine.h"
 #include "tools/bounds.h"
@@ -18,26 +18,16 @@ namespace mm {
 namespace {
 
 struct MachineOptions {
-  std::vector<std::string> axes;  // from the workpiece to the probe
+  std::vector<std::string> axes;   // from the workpiece to the probe
+  std::vector<std::string> leads;  // of their screws or worms
   std::string tip = "0,0,0", probe = "touch", output, model;
   double speed = 20.0;  // mm/s
   OutputFiles files;
 };
 
-bool numberOf(const std::string& text, double& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
-}
-
 /// "0,0,-60". @throw InputError.
 Eigen::Vector3d vectorOf(const std::string& option, const std::string& text) {
-  Eigen::Vector3d v = Eigen::Vector3d::Zero();
-  std::istringstream in(text);
-  int n = 0;
-  for (std::string part; std::getline(in, part, ','); ++n)
-    if (n > 2 || !numberOf(part, v[n])) n = 3;
-  if (n != 3) throw InputError(option + ": '" + text + "' is not three numbers x,y,z");
-  return v;
+  return Eigen::Vector3d(listOfNumbers(text, option, 3, "x,y,z").data());
 }
 
 /// "x=-20:20mm" or "b=-90:90deg@0,0,1". @throw InputError.
@@ -56,8 +46,9 @@ NewMachine::Axis axisOf(const std::string& text) {
     throw bad("its travel is neither in mm (a linear axis) nor in deg (a rotary one)");
   axis.kind = travel.substr(unit) == "mm" ? JointKind::kLinear : JointKind::kRotary;
   const double si = axis.kind == JointKind::kLinear ? kMillimetre : kDegree;
-  if (!numberOf(travel.substr(equal + 1, colon - equal - 1), axis.lower) ||
-      !numberOf(travel.substr(colon + 1, unit - colon - 1), axis.upper))
+  if (!parseNumber(travel.substr(equal + 1, colon - equal - 1), axis.lower) ||
+      !parseNumber(travel.substr(colon + 1, unit - colon - 1), axis.upper) ||
+      !std::isfinite(axis.upper - axis.lower))
     throw bad("its travel is not two numbers");
   axis.lower *= si;
   axis.upper *= si;
@@ -72,8 +63,28 @@ NewMachine::Axis axisOf(const std::string& text) {
   return axis;
 }
 
-/// What every machine has: scales, and axes that are not square; of a laser, where it is mounted.
-std::string modelYaml(const Machine& machine, const std::string& urdf, bool laser) {
+/// "x=5mm" or "b=3deg" as the effect of a screw, or worm, of this lead. @throw InputError.
+EffectSpec periodicError(const std::string& text, const Machine& machine) {
+  const auto bad = [&](const std::string& why) {
+    return InputError("--lead '" + text + "': " + why + "; write it as x=5mm or b=3deg");
+  };
+  const auto [name, length] = assignmentOf(text, "--lead", "x=5mm or b=3deg");
+  const int joint = machine.findJoint(name);
+  if (joint < 0) throw bad("no --axis is named '" + name + "'");
+  const bool linear = machine.joints()[static_cast<std::size_t>(joint)].kind == JointKind::kLinear;
+  const std::size_t unit = length.find_last_of("0123456789.") + 1;
+  const std::string number = length.substr(0, unit);
+  double lead = 0.0;
+  if (!parseNumber(number, lead) || lead <= 0.0 || length.substr(unit) != (linear ? "mm" : "deg"))
+    throw bad(std::string("the lead of a ") + (linear ? "linear axis is a positive number in mm"
+                                                      : "rotary axis is a positive number in deg"));
+  return EffectSpec("lead_screw_periodic").set("axis", name).set(linear ? "period_mm" : "period_deg", number);
+}
+
+/// What every machine has: scales, and axes that are not square; of a screw the error that repeats with its
+/// turns; of a laser, where it is mounted.
+std::string modelYaml(const Machine& machine, const std::string& urdf, const std::vector<EffectSpec>& screws,
+                      bool laser) {
   std::string text = "machine: " + urdf + "\neffects:\n";
   std::vector<std::string> linear;
   for (const Joint& j : machine.joints())
@@ -82,8 +93,9 @@ std::string modelYaml(const Machine& machine, const std::string& urdf, bool lase
   for (std::size_t i = 0; i < linear.size(); ++i)
     for (std::size_t j = i + 1; j < linear.size(); ++j)
       text += "  - {type: squareness, axis: " + linear[i] + ", of: " + linear[j] + "}\n";
+  for (const EffectSpec& screw : screws) text += "  - " + screw.yaml() + "\n";
   if (laser) text += "  - {type: laser_mount}\n";
-  return linear.empty() && !laser ? "machine: " + urdf + "\neffects: []\n" : text;
+  return linear.empty() && screws.empty() && !laser ? "machine: " + urdf + "\neffects: []\n" : text;
 }
 
 void runNew(MachineOptions& o) {
@@ -98,6 +110,10 @@ void runNew(MachineOptions& o) {
   machine.speed = o.speed * kMillimetre;
   const std::string urdf = newMachineUrdf(machine);
   const Machine read(urdf, machine.name);  // what is written can be read
+  std::vector<EffectSpec> screws;
+  for (const std::string& text : o.leads) screws.push_back(periodicError(text, read));
+  if (!screws.empty() && o.model.empty())
+    throw InputError("--lead: the lead is written to the model; add --model model.yaml");
   o.files.write(o.output, urdf);
   std::cout << "machine '" << read.name() << "' with " << read.jointCount() << " axes written to " << o.output
             << "\nkinematic chain from workpiece (w) over bed (b) to probe (t): " << kinematicChain(read)
@@ -105,7 +121,7 @@ void runNew(MachineOptions& o) {
   if (o.model.empty()) return;
   const fs::path folder = fs::absolute(o.model).parent_path();
   const std::string relative = fs::proximate(fs::absolute(o.output), folder).string();
-  o.files.write(o.model, modelYaml(read, relative, o.probe == "laser"));
+  o.files.write(o.model, modelYaml(read, relative, screws, o.probe == "laser"));
   std::cout << "first model written to " << o.model << '\n';
 }
 
@@ -123,6 +139,13 @@ void addMachineCommand(CLI::App& app, int& /*exitStatus*/) {
           "NAME=FROM:TOmm[@X,Y,Z] or NAME=FROM:TOdeg@X,Y,Z: name, travel and positive direction of an axis; "
           "repeatable")
       ->required()
+      ->take_all()
+      ->allow_extra_args(false);
+  command
+      ->add_option(
+          "--lead", o->leads,
+          "NAME=LENGTHmm: travel of an axis per turn of its screw; of a rotary axis NAME=ANGLEdeg, per "
+          "turn of its worm; the model then fits the error that repeats with it; repeatable")
       ->take_all()
       ->allow_extra_args(false);
   command->add_option("--probe", o->probe, "the probe")

@@ -6,6 +6,24 @@
 #include "tools/exit_status.h"
 #include "tools/program.h"
 
+namespace mm {
+namespace {
+
+void addCommands(CLI::App& app, int& exitStatus) {
+  for (const auto add :
+       {addImportCommand,    addSensorsCommand,     addSimulateCommand,    addCheckCommand,
+        addCalibrateCommand, addCompareCommand,     addDiagnoseCommand,    addAddCommand,
+        addRemoveCommand,    addUpdateCommand,      addVerifyCommand,      addReportCommand,
+        addApplyCommand,     addUncertaintyCommand, addCertificateCommand, addArtifactCommand,
+        addExportCommand,    addHistoryCommand,     addPromoteCommand,     addRollbackCommand,
+        addEffectsCommand,   addMachineCommand,     addPlanCommand,        addWorkbenchCommand,
+        addBatchCommand,     addFleetCommand,       addCompletionCommand,  addManualCommand})
+    add(app, exitStatus);
+}
+
+}  // namespace
+}  // namespace mm
+
 int main(int argc, char** argv) {
   CLI::App app{"Calibrate a measuring machine and find the physical effect that its model lacks.", "mm"};
   app.set_version_flag("--version", std::string("mm ") + mm::kVersion);
@@ -16,33 +34,6 @@ int main(int argc, char** argv) {
       "Help on a command: mm import --help\n" +
       std::string(mm::kExitStatusHelp));
   int exitStatus = mm::kDone;
-  mm::addImportCommand(app, exitStatus);
-  mm::addSensorsCommand(app, exitStatus);
-  mm::addSimulateCommand(app, exitStatus);
-  mm::addCheckCommand(app, exitStatus);
-  mm::addCalibrateCommand(app, exitStatus);
-  mm::addCompareCommand(app, exitStatus);
-  mm::addDiagnoseCommand(app, exitStatus);
-  mm::addAddCommand(app, exitStatus);
-  mm::addRemoveCommand(app, exitStatus);
-  mm::addUpdateCommand(app, exitStatus);
-  mm::addVerifyCommand(app, exitStatus);
-  mm::addReportCommand(app, exitStatus);
-  mm::addApplyCommand(app, exitStatus);
-  mm::addUncertaintyCommand(app, exitStatus);
-  mm::addCertificateCommand(app, exitStatus);
-  mm::addArtifactCommand(app, exitStatus);
-  mm::addExportCommand(app, exitStatus);
-  mm::addHistoryCommand(app, exitStatus);
-  mm::addPromoteCommand(app, exitStatus);
-  mm::addRollbackCommand(app, exitStatus);
-  mm::addEffectsCommand(app, exitStatus);
-  mm::addMachineCommand(app, exitStatus);
-  mm::addPlanCommand(app, exitStatus);
-  mm::addWorkbenchCommand(app, exitStatus);
-  mm::addBatchCommand(app, exitStatus);
-  mm::addFleetCommand(app, exitStatus);
-  mm::addCompletionCommand(app, exitStatus);
-  mm::addManualCommand(app, exitStatus);
+  mm::addCommands(app, exitStatus);
   return mm::runProgram(app, exitStatus, argc, argv);
 }

@@ -1,5 +1,7 @@
 #include "tools/one_line.h"
 
+#include <iostream>
+
 #include "base/text.h"
 
 namespace mm {
@@ -14,6 +16,16 @@ std::string oneLine(const std::string& text) {
   }
   if (!line.empty() && line.back() == ' ') line.pop_back();
   return line;
+}
+
+void say(const std::string& message) { std::cerr << "mm: " << oneLine(message) << std::endl; }
+
+void warn(const std::string& doubt) {
+  if (!doubt.empty()) say("warning: " + doubt);
+}
+
+void warn(const std::vector<std::string>& doubts) {
+  for (const std::string& doubt : doubts) warn(doubt);
 }
 
 }  // namespace mm

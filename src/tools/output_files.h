@@ -32,6 +32,9 @@ class OutputFiles {
 
   /// Measurements, and what people write (model, artifact, plan, machine): never replaced, also not by force.
   void input(const std::string& file) { inputs_.push_back({file, false}); }
+  void input(const std::vector<std::string>& files) {
+    for (const std::string& file : files) input(file);
+  }
   /// A calibration that is read: force may replace it.
   void calibration(const std::string& file) { inputs_.push_back({file, true}); }
   /// @param option as it is typed, for messages. @param file empty: not asked for.

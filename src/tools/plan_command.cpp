@@ -20,7 +20,6 @@
 #include "tools/commands.h"
 #include "tools/one_line.h"
 #include "tools/output_files.h"
-#include "tools/plan_verify_command.h"
 
 namespace mm {
 namespace {
@@ -179,8 +178,7 @@ void runNew(PlanOptions& o) {
       o.test.empty() ? touchPlan(o, machine, name) : testPlan(o.test, size, machine, name);
   const Plan plan =
       Plan::parse(text, o.output, {}, machine);  // within the limits, or a line that says where not
-  if (const std::string ways = blockedWaysText(plan, blockedWays(plan, machine)); !ways.empty())
-    std::cerr << "mm: warning: " << oneLine(ways) << std::endl;
+  warn(blockedWaysText(plan, blockedWays(plan, machine)));
   o.files.write(o.output, text);
   std::cout << plan.measurements() << " measurements on " << o.machine << " written to " << o.output << '\n';
 }

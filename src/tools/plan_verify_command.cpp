@@ -1,5 +1,3 @@
-#include "tools/plan_verify_command.h"
-
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
@@ -13,6 +11,7 @@
 #include "session/plan_selection.h"
 #include "session/plan_ways.h"
 #include "tools/bounds.h"
+#include "tools/commands.h"
 #include "tools/one_line.h"
 #include "tools/output_files.h"
 #include "verification/blind_trial.h"
@@ -82,8 +81,7 @@ void runPlanVerify(PlanVerifyOptions& o) {
   }
   const std::string text = o.blind ? trial.plan : planSelection(plan, machine, moves, name);
   const Plan chosen = Plan::parse(text, o.output, {}, machine);
-  if (const std::string ways = blockedWaysText(chosen, blockedWays(chosen, machine)); !ways.empty())
-    std::cerr << "mm: warning: " << oneLine(ways) << std::endl;
+  warn(blockedWaysText(chosen, blockedWays(chosen, machine)));
   o.files.write(o.output, text);
   if (o.blind) return writeBeside(o, trial, chosen.measurements() / o.trial.blocks);
   std::cout << chosen.measurements() << " of " << plan.measurements() << " measurements of " << o.plan

@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <iostream>
 
 #include "base/dense.h"
 #include "base/error.h"
@@ -144,17 +143,13 @@ void PriorOfSisters::judgeAnew(const CalibrationResult& alone, CalibrationResult
 
 void PriorOfSisters::tell(std::size_t fewest) const {
   if (contradicted_)
-    std::cerr << "mm: warning: "
-              << oneLine(
-                     format("this machine differs from those in %s (p = %.2g): ", folder_.c_str(), chance_) +
-                     worst_ + "; the prior is not used")
-              << std::endl;
+    warn(format("this machine differs from those in %s (p = %.2g): ", folder_.c_str(), chance_) + worst_ +
+         "; the prior is not used");
   else
-    std::cerr << "mm: note: "
-              << oneLine(format("%zu parameters have a prior from at least %zu machines in %s; the session "
-                                "agrees with it (p = %.2g)",
-                                used_.size(), fewest, folder_.c_str(), chance_))
-              << std::endl;
+    say(
+        format("note: %zu parameters have a prior from at least %zu machines in %s; the session agrees with "
+               "it (p = %.2g)",
+               used_.size(), fewest, folder_.c_str(), chance_));
 }
 
 Recalibration PriorOfSisters::join(Recalibration fitted, const Session& session,

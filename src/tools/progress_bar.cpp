@@ -38,4 +38,8 @@ ProgressCallback ProgressBar::callback() {
   };
 }
 
+std::function<void(const std::string&, double)> ProgressBar::stages() {
+  return [this](const std::string& stage, double share) { show(share, stage); };
+}
+
 }  // namespace mm

@@ -1,5 +1,6 @@
 #pragma once
 #include <chrono>
+#include <functional>
 #include <string>
 
 #include "session/progress.h"
@@ -18,6 +19,8 @@ class ProgressBar {
   void show(double fraction, const std::string& note = {});
   /// To hand to a reader or a simulation; valid as long as the bar. It throws Cancelled after Ctrl-C.
   ProgressCallback callback();
+  /// To hand to a fit: a stage in words and its share. Valid as long as the bar.
+  std::function<void(const std::string& stage, double share)> stages();
 
  private:
   std::string label_;
@@ -25,5 +28,13 @@ class ProgressBar {
   bool drawn_ = false;
   std::chrono::steady_clock::time_point last_;
 };
+
+/// What `work` returns; a bar shows how far it is, by the progress that `options` tell.
+template <class Options, class Work>
+auto withBar(const std::string& label, Options& options, const Work& work) {
+  ProgressBar bar(label);
+  options.progress = bar.stages();
+  return work();
+}
 
 }  // namespace mm

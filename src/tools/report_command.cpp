@@ -23,10 +23,10 @@ struct ReportCommand {
 };
 
 void runReport(ReportCommand& c) {
-  for (const std::string& bag : c.bags.paths) c.files.input(bag);
+  c.files.input(c.bags.paths);
   c.files.input(c.calibration);
   c.files.input(c.plotly);
-  for (const std::string& curve : c.curves) c.files.input(curve);
+  c.files.input(c.curves);
   c.files.output("-o", c.output, FileKind::kPage);
   c.files.check();
   const ReportFiles files = loadReportFiles(c.plotly);
@@ -42,16 +42,13 @@ void runReport(ReportCommand& c) {
   const Session session = calibration ? loadSession(c.bags.joined(), *calibration, c.fit.space)
                                       : loadSession(c.bags.joined(), nullptr, c.fit.space);
   if (!calibration) askFirst(session);
-  std::optional<ReportContents> report;
-  {
-    ProgressBar bar("diagnosing");
-    options.diagnose.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
-    report = calibration ? makeReport(session, *calibration, options) : makeReport(session, options);
-  }
-  c.files.write(c.output, reportPage(*report, files));
-  std::cout << reportSentence(*report) << '\n';
+  const ReportContents report = withBar("diagnosing", options.diagnose, [&] {
+    return calibration ? makeReport(session, *calibration, options) : makeReport(session, options);
+  });
+  c.files.write(c.output, reportPage(report, files));
+  std::cout << reportSentence(report) << '\n';
   if (!calibration)
-    for (const StandardTest& test : report->tests) std::cout << "  " << test.inWords << '\n';
+    for (const StandardTest& test : report.tests) std::cout << "  " << test.inWords << '\n';
   std::cout << "written to " << c.output << '\n';
 }
 

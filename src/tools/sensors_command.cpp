@@ -184,9 +184,8 @@ void runSensors(SensorsOptions& options) {
   }
   Interrupt::check();
   for (int s : selection.constant)
-    std::cerr << "mm: warning: " << options.csv << ": column '"
-              << candidates.names[static_cast<std::size_t>(s)] << "' does not vary and is not used"
-              << std::endl;
+    warn(options.csv + ": column '" + candidates.names[static_cast<std::size_t>(s)] +
+         "' does not vary and is not used");
   if (!options.picture.empty())
     options.files.write(options.picture, sensorsPicture(selection, candidates.names, positions,
                                                         options.target, candidates.micrometres));

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
-#include <numeric>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "base/number_text.h"
+#include "report/report_page.h"
 #include "session/csv_cells.h"
 #include "session/text_file.h"
 
@@ -20,39 +19,19 @@ constexpr double kLeft = 40, kTop = 70, kWidth = 480, kHeight = 340;  // of the 
 constexpr double kRight = 610, kRightWidth = 300;
 constexpr const char* kAccent = "#c2410c";
 
-std::string text(const char* pattern, ...) __attribute__((format(printf, 1, 2)));
-std::string text(const char* pattern, ...) {
-  char buffer[512];
-  va_list arguments;
-  va_start(arguments, pattern);
-  std::vsnprintf(buffer, sizeof buffer, pattern, arguments);
-  va_end(arguments);
-  return buffer;
-}
-
-std::string escaped(const std::string& raw) {
-  std::string out;
-  for (const char c : raw)
-    out += c == '&'   ? "&amp;"
-           : c == '<' ? "&lt;"
-           : c == '>' ? "&gt;"
-           : c == '"' ? "&quot;"
-                      : std::string(1, c);
-  return out;
-}
-
 std::string label(double x, double y, const std::string& words, const char* anchor = "start",
                   const char* colour = "#333", int size = 12) {
-  return text(
+  return format(
              "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\" fill=\"%s\" font-size=\"%d\" stroke=\"#fff\" "
              "stroke-width=\"3\" paint-order=\"stroke\">",
              x, y, anchor, colour, size) +
-         escaped(words) + "</text>\n";
+         escapedHtml(words) + "</text>\n";
 }
 
 std::string line(double x1, double y1, double x2, double y2, const char* colour, double width = 1.0) {
-  return text("<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" stroke=\"%s\" stroke-width=\"%.1f\"/>\n",
-              x1, y1, x2, y2, colour, width);
+  return format(
+      "<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" stroke=\"%s\" stroke-width=\"%.1f\"/>\n", x1, y1,
+      x2, y2, colour, width);
 }
 
 double leastOf(const SensorSelection& selection) {
@@ -64,12 +43,12 @@ double leastOf(const SensorSelection& selection) {
 /// From pale to dark blue.
 std::string shade(double share) {
   const double s = std::clamp(share, 0.0, 1.0);
-  return text("#%02x%02x%02x", static_cast<int>(219 - 189 * s), static_cast<int>(234 - 176 * s),
-              static_cast<int>(254 - 116 * s));
+  return format("#%02x%02x%02x", static_cast<int>(219 - 189 * s), static_cast<int>(234 - 176 * s),
+                static_cast<int>(254 - 116 * s));
 }
 
 std::string tooltip(const std::string& name, double information) {
-  return "<title>" + escaped(name) + text(": %.3f nat</title>", information);
+  return "<title>" + escapedHtml(name) + format(": %.3f nat</title>", information);
 }
 
 /// The sensors as points in space, seen at an angle from above.
@@ -121,15 +100,15 @@ std::string inSpace(const SensorSelection& selection, const std::vector<std::str
   for (auto s = selection.singles.rbegin(); s != selection.singles.rend(); ++s) {
     const Eigen::Vector2d p = scene.at(positions.row(s->sensor).transpose());
     out +=
-        text("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"6\" fill=\"%s\" stroke=\"#64748b\" stroke-width=\"0.5\">",
-             p.x(), p.y(), shade((s->information - least) / std::max(most - least, kNoSpan)).c_str()) +
+        format("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"6\" fill=\"%s\" stroke=\"#64748b\" stroke-width=\"0.5\">",
+               p.x(), p.y(), shade((s->information - least) / std::max(most - least, kNoSpan)).c_str()) +
         tooltip(sensors[static_cast<std::size_t>(s->sensor)], s->information) + "</circle>\n";
   }
   for (const int c : chosen) {
     const Eigen::Vector2d p = scene.at(positions.row(c).transpose());
     out +=
-        text("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"9\" fill=\"none\" stroke=\"%s\" stroke-width=\"2.5\"/>\n",
-             p.x(), p.y(), kAccent);
+        format("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"9\" fill=\"none\" stroke=\"%s\" stroke-width=\"2.5\"/>\n",
+               p.x(), p.y(), kAccent);
     out += label(p.x() + 12, p.y() - 8, sensors[static_cast<std::size_t>(c)], "start", kAccent, 13);
   }
   return out;
@@ -149,17 +128,17 @@ std::string asBars(const SensorSelection& selection, const std::vector<std::stri
     const double y = kTop + step * static_cast<double>(row);
     out += label(kLeft + 150, y + 0.65 * step, sensors[static_cast<std::size_t>(s.sensor)], "end",
                  taken ? kAccent : "#333", 12);
-    out += text("<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" fill=\"%s\">", kLeft + 158,
-                y + 0.1 * step, std::max(1.0, (kWidth - 160) * std::max(0.0, s.information) / most),
-                0.75 * step, taken ? kAccent : "#3b82f6") +
+    out += format("<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" fill=\"%s\">", kLeft + 158,
+                  y + 0.1 * step, std::max(1.0, (kWidth - 160) * std::max(0.0, s.information) / most),
+                  0.75 * step, taken ? kAccent : "#3b82f6") +
            tooltip(sensors[static_cast<std::size_t>(s.sensor)], s.information) + "</rect>\n";
     if (step >= 14.0)
-      out += label(kLeft + 163, y + 0.65 * step, text("%.2f", s.information), "start", "#111", 11);
+      out += label(kLeft + 163, y + 0.65 * step, format("%.2f", s.information), "start", "#111", 11);
   }
   if (shown.size() < selection.singles.size())
     out += label(kLeft, kTop + kHeight + 18,
-                 text("and %zu more with less information", selection.singles.size() - shown.size()), "start",
-                 "#666");
+                 format("and %zu more with less information", selection.singles.size() - shown.size()),
+                 "start", "#666");
   return out;
 }
 
@@ -188,11 +167,11 @@ std::string againstSize(const SensorSelection& selection, double micrometres) {
                     line(kRight + kRightWidth, kTop, kRight + kRightWidth, bottom, kAccent);
   const double left = roundStep(most), right = roundStep(worst);
   for (int tick = 0; tick * left <= 1.1 * most; ++tick)
-    out += label(kRight - 6, bottom - kHeight * tick * left / most / 1.1 + 4, text("%g", tick * left), "end",
-                 "#1d4ed8", 11);
+    out += label(kRight - 6, bottom - kHeight * tick * left / most / 1.1 + 4, format("%g", tick * left),
+                 "end", "#1d4ed8", 11);
   for (int tick = 0; tick * right <= 1.1 * worst; ++tick)
     out += label(kRight + kRightWidth + 6, bottom - kHeight * tick * right / worst / 1.1 + 4,
-                 text("%g", tick * right), "start", kAccent, 11);
+                 format("%g", tick * right), "start", kAccent, 11);
   for (const bool error : {false, true}) {
     std::string points;
     for (std::size_t i = 0; i < count; ++i) {
@@ -200,16 +179,17 @@ std::string againstSize(const SensorSelection& selection, double micrometres) {
       const double value =
           error ? set.heldOutRms * micrometres / worst : std::max(0.0, set.information) / most;
       const double y = bottom - kHeight * value / 1.1;
-      points += text("%.1f,%.1f ", x(i), y);
-      out += text("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"4\" fill=\"%s\"/>\n", x(i), y,
-                  error ? kAccent : "#1d4ed8");
+      points += format("%.1f,%.1f ", x(i), y);
+      out += format("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"4\" fill=\"%s\"/>\n", x(i), y,
+                    error ? kAccent : "#1d4ed8");
     }
     out += "<polyline points=\"" + points + "\" fill=\"none\" stroke=\"" + (error ? kAccent : "#1d4ed8") +
            "\" stroke-width=\"2\"" + (error ? " stroke-dasharray=\"6 4\"" : "") + "/>\n";
   }
   for (std::size_t i = 0; i < count; ++i)
-    out += label(x(i), bottom + 18, text("%zu", i + 1) + (i == selection.recommended ? " (recommended)" : ""),
-                 "middle", "#333");
+    out +=
+        label(x(i), bottom + 18, format("%zu", i + 1) + (i == selection.recommended ? " (recommended)" : ""),
+              "middle", "#333");
   out += label(kRight, kTop - 12, "information, nat", "start", "#1d4ed8");
   out += label(kRight + kRightWidth, kTop - 12, "held-out error, \u00b5m (dashed)", "end", kAccent);
   return out + label(kRight + 0.5 * kRightWidth, bottom + 38, "sensors m", "middle");
@@ -264,12 +244,13 @@ std::string sensorsPicture(const SensorSelection& selection, const std::vector<s
       "role=\"img\">\n"
       "<rect width=\"980\" height=\"470\" fill=\"#fff\"/>\n";
   out += label(kLeft, 30,
-               "Measure " + names + text(": held-out error %.3g \u00b5m", best.heldOutRms * micrometres),
+               "Measure " + names + format(": held-out error %.3g \u00b5m", best.heldOutRms * micrometres),
                "start", "#111", 16);
-  out += label(kLeft, 52,
-               "Information of each sensor with " + target +
-                   (positions ? text(": %.2f (pale) to %.2f nat (dark)", leastOf(selection), most) : ", nat"),
-               "start", "#666");
+  out +=
+      label(kLeft, 52,
+            "Information of each sensor with " + target +
+                (positions ? format(": %.2f (pale) to %.2f nat (dark)", leastOf(selection), most) : ", nat"),
+            "start", "#666");
   out += positions ? inSpace(selection, sensors, *positions, most, best.sensors)
                    : asBars(selection, sensors, most, best.sensors);
   return out + againstSize(selection, micrometres) + "</svg>\n";

@@ -3,8 +3,6 @@
 #include <yaml-cpp/yaml.h>
 
 #include <CLI/CLI.hpp>
-#include <cmath>
-#include <iostream>
 
 #include "base/error.h"
 #include "base/read_file.h"
@@ -17,7 +15,6 @@
 #include "tools/bounds.h"
 #include "tools/exit_status.h"
 #include "tools/interrupt.h"
-#include "tools/one_line.h"
 #include "tools/progress_bar.h"
 #include "workflow/learning.h"
 
@@ -37,10 +34,8 @@ Session loadSession(const std::string& bag, const Machine* fallback, const std::
   ProgressBar bar("reading");
   Session session = readSessionBags(bagPaths(bag), bar.callback(), fallback, {space, !space.empty()});
   Interrupt::check();
-  if (!session.warning.empty())
-    std::cerr << "mm: warning: " << oneLine(bag + ": " + session.warning) << std::endl;
-  for (const std::string& line : setAsideLines(session))
-    std::cerr << "mm: warning: " << oneLine(bag + ": " + line) << std::endl;
+  if (!session.warning.empty()) warn(bag + ": " + session.warning);
+  for (const std::string& line : setAsideLines(session)) warn(bag + ": " + line);
   return session;
 }
 
@@ -53,11 +48,13 @@ Session loadSession(const std::string& bag, const Calibration& calibration, cons
   if (!difference.empty())
     throw InputError(bag + ": was measured on another machine than calibration '" + calibration.id +
                      "': " + difference + "; use a session of the machine that was calibrated");
-  const std::string unchecked = uncheckedFit(calibration, session.machine);
-  if (!unchecked.empty()) std::cerr << "mm: warning: " << oneLine(unchecked) << std::endl;
+  warn(uncheckedFit(calibration, session.machine));
   return session;
 }
 
+namespace {
+
+/// @throw InputError: an effect of the model cannot be made for the session; names file and line.
 void checkEffects(const ModelSpec& model, const std::string& file, const Session& session) {
   const Domain domain = observedDomain(session);
   for (std::size_t i = 0; i < model.effects.size(); ++i) {
@@ -71,9 +68,22 @@ void checkEffects(const ModelSpec& model, const std::string& file, const Session
   }
 }
 
+}  // namespace
+
+Session loadSession(const std::string& bag, const ModelSpec& model, const std::string& file,
+                    const std::string& space) {
+  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  std::optional<Machine> machine;
+  if (!model.machine.empty()) machine = Machine::load(model.machine, folder);
+  Session session = loadSession(bag, machine ? &*machine : nullptr, space);
+  checkMachine(model, folder, session);
+  checkEffects(model, file, session);
+  return session;
+}
+
 std::vector<Doubt> askFirst(const Session& session) {
   std::vector<Doubt> questions = sensibleDoubts(session);
-  for (const Doubt& d : questions) std::cerr << "mm: question: " << oneLine(d.question) << std::endl;
+  for (const Doubt& d : questions) say("question: " + d.question);
   return questions;
 }
 
@@ -120,17 +130,13 @@ void SessionAndCalibration::declare(CLI::App& command, const std::string& sessio
   command.add_flag("--json", json, "print the result as JSON on standard output");
 }
 
-void warn(const std::vector<std::string>& doubts) {
-  for (const std::string& doubt : doubts) std::cerr << "mm: warning: " << oneLine(doubt) << std::endl;
-}
-
 int verdictOf(const CalibrationResult& result) {
   if (result.cancelled) {
-    std::cerr << "mm: stopped by Ctrl-C: this is the best result so far" << std::endl;
+    say("stopped by Ctrl-C: this is the best result so far");
     return kStopped;
   }
   const std::vector<std::string> doubts = doubtsOf(result);
-  for (const std::string& doubt : doubts) std::cerr << "mm: " << oneLine(doubt) << std::endl;
+  for (const std::string& doubt : doubts) say(doubt);
   return doubts.empty() ? kDone : kAnswerIsNo;
 }
 

@@ -7,6 +7,7 @@
 #include "model/model_spec.h"
 #include "session/sense_checks.h"
 #include "session/session.h"
+#include "tools/one_line.h"
 
 namespace CLI {
 class App;
@@ -32,8 +33,11 @@ Session loadSession(const std::string& bag, const Machine* fallback, const std::
 /// The same for a session that goes with a calibration: of the machine that was calibrated, which is also
 /// that of a bag without one. @throw InputError: of another machine, naming what differs.
 Session loadSession(const std::string& bag, const Calibration& calibration, const std::string& space);
-/// @throw InputError: an effect of the model cannot be made for the session; names file and line.
-void checkEffects(const ModelSpec& model, const std::string& file, const Session& session);
+/// The same for a session that a model is made for: of the machine that the model names, where it names one.
+/// @param file of the model. @throw InputError: of another machine; an effect cannot be made for the session
+/// (names file and line).
+Session loadSession(const std::string& bag, const ModelSpec& model, const std::string& file,
+                    const std::string& space);
 /// What is likely mistaken in a session's units, signs and names: a line on standard error each, before
 /// anything is computed from it.
 std::vector<Doubt> askFirst(const Session& session);
@@ -68,8 +72,6 @@ struct SessionAndCalibration {
   void declare(CLI::App& command, const std::string& session);
 };
 
-/// A warning on standard error each.
-void warn(const std::vector<std::string>& doubts);
 /// Says what Ctrl-C and doubtful results mean: a line on standard error each. @return exit status: done, the
 /// answer is no, or stopped.
 int verdictOf(const CalibrationResult& result);

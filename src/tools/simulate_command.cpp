@@ -41,8 +41,7 @@ void runSimulate(SimulateOptions& options) {
   const auto started = std::chrono::steady_clock::now();
   const Machine machine = Machine::load(options.machine);
   const Plan plan = Plan::load(options.plan, machine);
-  if (const std::string ways = blockedWaysText(plan, blockedWays(plan, machine)); !ways.empty())
-    std::cerr << "mm: warning: " << oneLine(ways) << std::endl;
+  warn(blockedWaysText(plan, blockedWays(plan, machine)));
   if (!options.correction.empty())
     options.request.correction =
         std::make_shared<const CorrectionTable>(CorrectionTable::load(options.correction, machine));

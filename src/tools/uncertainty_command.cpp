@@ -26,10 +26,10 @@ void runUncertainty(UncertaintyCommand& c, int& exitStatus) {
   const ToleranceAsked asked = c.options.asked();
   if (!c.session.empty()) {
     const Session session = loadSession(c.session, calibration, c.fit.space);
-    ProgressBar bar("comparing");
     CalibrateOptions options = c.fit.checked();
-    options.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
-    c.options.foundIn(compareCalibration(session, calibration, options), calibration);
+    c.options.foundIn(
+        withBar("comparing", options, [&] { return compareCalibration(session, calibration, options); }),
+        calibration);
   }
   TaskUncertainty result;
   {
@@ -43,10 +43,9 @@ void runUncertainty(UncertaintyCommand& c, int& exitStatus) {
   else
     std::cout << uncertaintyText(result, verdicts);
   std::cout.flush();
-  for (const std::string& note : result.notes) std::cerr << "mm: note: " << note << '\n';
+  for (const std::string& note : result.notes) say("note: " + note);
   for (const std::string& why : result.outside)
-    std::cerr << "mm: warning: the calibration does not hold " << why
-              << "; the uncertainty there is unknown\n";
+    warn("the calibration does not hold " + why + "; the uncertainty there is unknown");
   for (const TaskVerdict& v : verdicts)
     if (v.conformity != Conformity::kConforms) exitStatus = kAnswerIsNo;
   if (!result.outside.empty()) exitStatus = kAnswerIsNo;

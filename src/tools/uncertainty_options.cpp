@@ -6,7 +6,6 @@
 
 #include "base/cancel_scope.h"
 #include "base/error.h"
-#include "base/number_text.h"
 #include "base/parallel.h"
 #include "base/text.h"
 #include "base/units.h"
@@ -15,25 +14,6 @@
 
 namespace mm {
 namespace {
-
-/// The two sides of `name=value`.
-std::pair<std::string, std::string> assignmentOf(const std::string& text, const char* option,
-                                                 const char* example) {
-  const std::size_t at = text.find('=');
-  if (at == std::string::npos || at == 0 || at + 1 == text.size())
-    throw InputError(std::string(option) + " '" + text + "' is not name=value; write " + example);
-  return {text.substr(0, at), text.substr(at + 1)};
-}
-
-double optionNumber(const std::string& text, const std::string& option, double lower, double upper,
-                    const char* example) {
-  double value = 0.0;
-  const std::string bare(trim(text));
-  if (!parseNumber(bare, value) || !(value >= lower && value <= upper))
-    throw InputError(option + ": '" + bare + "' is not a number from " + numberText(lower) + " to " +
-                     numberText(upper) + "; write " + example);
-  return value;
-}
 
 /// "bed=21.5" or "bed=21.5+-0.2", in degC and K.
 TaskConditions::Temperature temperatureOf(const std::string& text) {
@@ -47,22 +27,6 @@ TaskConditions::Temperature temperatureOf(const std::string& text) {
   if (at != std::string::npos)
     t.std = optionNumber(value.substr(at + 2), "--temperature " + sensor, 0.0, 100.0, kExample);
   return t;
-}
-
-std::vector<double> listOfNumbers(const std::string& text, const std::string& option, std::size_t count,
-                                  const char* example) {
-  std::vector<double> values;
-  std::size_t from = 0;
-  for (;;) {
-    const std::size_t end = text.find(',', from);
-    values.push_back(optionNumber(text.substr(from, end - from), option, -1e9, 1e9, example));
-    if (end == std::string::npos) break;
-    from = end + 1;
-  }
-  if (values.size() != count)
-    throw InputError(option + " '" + text + "' has " + std::to_string(values.size()) + " numbers, it needs " +
-                     std::to_string(count) + "; write " + example);
-  return values;
 }
 
 void declareConditions(CLI::App& command, UncertaintyOptions& c) {

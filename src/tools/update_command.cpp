@@ -2,7 +2,6 @@
 #include <cmath>
 #include <iostream>
 #include <memory>
-#include <optional>
 
 #include "calibration_file/calibration_yaml.h"
 #include "report/json.h"
@@ -22,7 +21,7 @@ struct UpdateOptions : SessionAndCalibration {
 };
 
 int runUpdate(UpdateOptions& c) {
-  for (const std::string& bag : c.bags.paths) c.files.input(bag);
+  c.files.input(c.bags.paths);
   c.files.calibration(c.calibration);
   c.files.output("-o", c.output, FileKind::kCalibration);
   c.files.check();
@@ -30,26 +29,20 @@ int runUpdate(UpdateOptions& c) {
   const Calibration before = loadCalibration(c.calibration);
   c.files.checkSession({before.sessionHash}, before.ledger.size() + 1);
   const Session session = loadSession(c.bags.joined(), before, c.fit.space);
-  std::optional<Recalibration> done;
-  {
-    ProgressBar bar("updating");
-    options.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
-    done = updateNetworks(session, before, options);
-  }
-  if (!c.output.empty()) c.files.write(c.output, done->calibration);
-  const LedgerEntry& step = done->calibration.ledger.back();
+  Recalibration done = withBar("updating", options, [&] { return updateNetworks(session, before, options); });
+  if (!c.output.empty()) c.files.write(c.output, done.calibration);
+  const LedgerEntry& step = done.calibration.ledger.back();
   if (step.heldOutAfter > step.heldOutBefore)
-    std::cerr
-        << "mm: warning: in block cross-validation the updated networks are worse than the old ones; this "
-           "kind of network does not fit the new session: keep "
-        << c.calibration << ", or train on both sessions with the network that predicts best (network: auto)"
-        << std::endl;
+    warn(
+        "in block cross-validation the updated networks are worse than the old ones; this kind of network "
+        "does not fit the new session: keep " +
+        c.calibration + ", or train on both sessions with the network that predicts best (network: auto)");
   if (c.json) {
-    std::cout << changeJson(done->result, done->calibration.ledger) << '\n';
+    std::cout << changeJson(done.result, done.calibration.ledger) << '\n';
     return 0;
   }
-  std::cout << ledgerText(done->calibration, !std::isfinite(done->result.figures.rms));
-  for (const LearnedNetwork& n : done->calibration.networks) std::cout << "  " << n.summary << '\n';
+  std::cout << ledgerText(done.calibration, !std::isfinite(done.result.figures.rms));
+  for (const LearnedNetwork& n : done.calibration.networks) std::cout << "  " << n.summary << '\n';
   if (!c.output.empty()) std::cout << "\nwritten to " << c.output << '\n';
   return 0;
 }

@@ -1,7 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
-#include <optional>
 
 #include "base/error.h"
 #include "calibration_file/calibration_yaml.h"
@@ -44,7 +43,7 @@ std::string takenBack(const VerifyCommand& c, const Calibration& calibration, co
 Session freshSession(const VerifyCommand& c, const Calibration& calibration) {
   Session session = loadSession(c.bags.joined(), calibration, c.fit.space);
   if (const std::string why = whyNotFresh(calibration, session); !why.empty())
-    std::cerr << "mm: warning: " << c.bags.joined() << ": " << why << std::endl;
+    warn(c.bags.joined() + ": " + why);
   return session;
 }
 
@@ -60,11 +59,7 @@ int runBlind(VerifyCommand& c) {
   CalibrateOptions options = c.fit.checked();
   const Calibration calibration = loadCalibration(c.calibration);
   const Session session = freshSession(c, calibration);
-  {
-    ProgressBar bar("comparing");
-    options.progress = [&](const std::string& block, double share) { bar.show(share, block); };
-    report.blocks = trialBlocks(session, calibration, options);
-  }
+  report.blocks = withBar("comparing", options, [&] { return trialBlocks(session, calibration, options); });
   report.labelled = compareStates(report.blocks.blocks);
   const TrialKey key = loadKey(c.blind);
   checkKey(key, session.placements, c.bags.joined(), c.blind);
@@ -89,22 +84,18 @@ int runVerify(VerifyCommand& c) {
   const Calibration calibration = loadCalibration(c.calibration);
   if (!c.exported.empty()) options.exported = std::make_shared<const LoadedExport>(c.exported, calibration);
   const Session session = freshSession(c, calibration);
-  std::optional<Verification> found;
-  {
-    ProgressBar bar("verifying");
-    options.calibrate.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
-    found = verify(session, calibration, options);
-  }
-  std::cout << (c.json ? verifyJson(*found) + "\n" : verifyText(*found));
+  const Verification found =
+      withBar("verifying", options.calibrate, [&] { return verify(session, calibration, options); });
+  std::cout << (c.json ? verifyJson(found) + "\n" : verifyText(found));
   std::string lost;
   try {
-    lost = keepAnswer(c.store.storeFor(calibration), calibration, session, *found);
+    lost = keepAnswer(c.store.storeFor(calibration), calibration, session, found);
   } catch (const InputError& e) {
     lost = std::string("the verdict is not stored: ") + e.what();
   }
-  if (!lost.empty()) std::cerr << "mm: warning: " << lost << std::endl;
-  if (found->verdict == VerifyVerdict::kHelped) return kDone;
-  if (c.rollBack) std::cerr << "mm: " << takenBack(c, calibration, *found) << std::endl;
+  warn(lost);
+  if (found.verdict == VerifyVerdict::kHelped) return kDone;
+  if (c.rollBack) say(takenBack(c, calibration, found));
   return kAnswerIsNo;
 }
 

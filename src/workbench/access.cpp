@@ -6,10 +6,10 @@
 #include <netinet/in.h>
 
 #include <algorithm>
-#include <cctype>
 #include <fstream>
 #include <optional>
 
+#include "base/checksum.h"
 #include "base/error.h"
 #include "base/text.h"
 
@@ -17,12 +17,6 @@ namespace mm {
 namespace {
 
 constexpr std::size_t kLongestTarget = 1024;
-
-std::string smallLetters(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 int digitOf(char c) {
   if (c >= '0' && c <= '9') return c - '0';
@@ -60,12 +54,7 @@ std::string newToken() {
   std::ifstream random("/dev/urandom", std::ios::binary);
   if (!random.read(reinterpret_cast<char*>(bytes), sizeof bytes))
     throw InputError("/dev/urandom cannot be read, so no access token can be made for the workbench");
-  std::string token;
-  for (const unsigned char b : bytes) {
-    token += "0123456789abcdef"[b >> 4];
-    token += "0123456789abcdef"[b & 15];
-  }
-  return token;
+  return hexDigits(bytes, sizeof bytes);
 }
 
 bool sameToken(const std::string& a, const std::string& b) {
@@ -97,7 +86,7 @@ std::vector<std::string> addressesOfThisComputer() {
               ? static_cast<const void*>(&reinterpret_cast<const sockaddr_in*>(i->ifa_addr)->sin_addr)
               : static_cast<const void*>(&reinterpret_cast<const sockaddr_in6*>(i->ifa_addr)->sin6_addr);
       if (::inet_ntop(family, address, text, sizeof text) == nullptr) continue;
-      if (std::string(text).rfind("fe80:", 0) != 0) addresses.emplace_back(text);  // needs a zone
+      if (!startsWith(text, "fe80:")) addresses.emplace_back(text);  // needs a zone
     }
   if (list != nullptr) ::freeifaddrs(list);
   for (const char* loopback : {"127.0.0.1", "::1", "localhost"}) addresses.emplace_back(loopback);
@@ -114,7 +103,7 @@ std::vector<std::string> hostsOf(const std::string& address, unsigned port,
   }
   std::vector<std::string> hosts;
   for (const std::string& name : names) {
-    hosts.push_back(smallLetters(withPort(name, port)));
+    hosts.push_back(lower(withPort(name, port)));
     const std::string& host = hosts.back();
     // a browser leaves out the port that everybody knows
     if (endsWith(host, ":80")) hosts.push_back(host.substr(0, host.size() - 3));
@@ -123,14 +112,14 @@ std::vector<std::string> hostsOf(const std::string& address, unsigned port,
 }
 
 bool hostAllowed(const std::string& host, const std::vector<std::string>& hosts) {
-  return std::find(hosts.begin(), hosts.end(), smallLetters(host)) != hosts.end();
+  return std::find(hosts.begin(), hosts.end(), lower(host)) != hosts.end();
 }
 
 bool originAllowed(const std::string& origin, const std::vector<std::string>& hosts) {
   if (origin.empty()) return true;
   const std::string scheme = "http://";
-  const std::string small = smallLetters(origin);
-  return small.rfind(scheme, 0) == 0 && hostAllowed(small.substr(scheme.size()), hosts);
+  const std::string small = lower(origin);
+  return startsWith(small, scheme) && hostAllowed(small.substr(scheme.size()), hosts);
 }
 
 std::string queryValue(const std::string& query, const std::string& name) {
@@ -139,7 +128,7 @@ std::string queryValue(const std::string& query, const std::string& name) {
     const std::size_t end = std::min(query.find('&', from), query.size());
     const std::string one = query.substr(from, end - from);
     from = end + 1;
-    if (one.rfind(name + "=", 0) != 0) continue;
+    if (!startsWith(one, name + "=")) continue;
     return resolved(one.substr(name.size() + 1)).value_or("");
   }
   return {};
@@ -154,7 +143,7 @@ Target targetOf(const std::string& target) {
   out.path = *path;
   if (mark != std::string::npos) out.query = target.substr(mark + 1);
   out.token = queryValue(out.query, "token");
-  if (out.path.rfind("/t/", 0) == 0) {  // modules name each other by relative paths, which lose the query
+  if (startsWith(out.path, "/t/")) {  // modules name each other by relative paths, which lose the query
     const std::size_t slash = out.path.find('/', 3);
     if (slash == std::string::npos) return out;
     out.token = out.path.substr(3, slash - 3);

@@ -5,12 +5,12 @@
 
 #include "base/cancel_scope.h"
 #include "base/error.h"
+#include "base/temporary_folder.h"
 #include "base/text.h"
 #include "base/units.h"
 #include "machine/joint_units.h"
 #include "report/json_parts.h"
 #include "workbench/access.h"
-#include "workbench/temporary_file.h"
 
 namespace mm {
 namespace {
@@ -332,9 +332,11 @@ WebAnswer Bench::upload(const std::string& query, std::string body, const std::s
   if (table)
     return enqueue(looks_, kFile, who, [this, content, name] { return work_.receive(name, content); });
   return enqueue(kOpen, who, [this, content, name, kind] {
-    const TemporaryFile file(kind, *content);
+    const TemporaryFolder folder;
+    const std::string file = folder.path().filename().string() + kind;  // a name that no page sends
+    folder.write(file, *content);
     std::string().swap(*content);
-    return work_.open(file.path(), name);
+    return work_.open(folder.path() / file, name);
   });
 }
 

@@ -142,6 +142,7 @@ class BenchWork {
   void firstFit();
   const Session& session() const;
   const Calibration& calibration() const;
+  CalibrationStore& store();
   CalibrateOptions options() const;
 
   BenchOptions options_;

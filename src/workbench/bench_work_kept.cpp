@@ -13,9 +13,13 @@
 
 namespace mm {
 
-std::string BenchWork::use(const std::string& id) {
+CalibrationStore& BenchWork::store() {
   if (!store_) throw InputError("no session is open");
-  Calibration chosen = store_->load(id);
+  return *store_;
+}
+
+std::string BenchWork::use(const std::string& id) {
+  Calibration chosen = store().load(id);
   checkMachine(chosen, session());
   calibration_ = std::move(chosen);
   kept_ = true;
@@ -25,22 +29,16 @@ std::string BenchWork::use(const std::string& id) {
 }
 
 std::string BenchWork::promote(const std::string& id) {
-  if (!store_) throw InputError("no session is open");
-  std::string message;
-  if (live_ != nullptr) {
-    message = live_->promote(id);
-  } else {
-    message = store_->promote(id) + " is active";
-  }
+  CalibrationStore& kept = store();
+  const std::string message = live_ != nullptr ? live_->promote(id) : kept.promote(id) + " is active";
   forget({"verify"});  // it was said of the one that was active before
   showStore();
   return message;
 }
 
 std::string BenchWork::rollback(const std::string& id) {
-  if (!store_) throw InputError("no session is open");
-  const std::string message =
-      live_ != nullptr ? live_->rollback(id) : store_->rollback(id) + " is active again";
+  CalibrationStore& kept = store();
+  const std::string message = live_ != nullptr ? live_->rollback(id) : kept.rollback(id) + " is active again";
   forget({"verify"});
   showStore();
   return message;

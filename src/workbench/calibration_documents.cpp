@@ -116,18 +116,9 @@ std::string calibrationDocument(const Calibration& c, bool kept) {
 
 std::string historyDocument(const CalibrationStore& store) {
   const auto entry = [&](const CalibrationStore::Entry& e) {
-    Json one{{"id", e.id},
-             {"created", e.created},
-             {"active", e.active},
-             {"candidate", e.candidate},
-             {"promotions", e.promotions},
-             {"machine", e.machine},
-             {"method", e.method},
-             {"rms_um", e.rms / kMicrometre},
-             {"held_out_rms_um", e.heldOutRms / kMicrometre},
-             {"session", e.session},
-             {"damaged", e.damaged},
-             {"effects", Json::array()}};
+    Json one = storedJson(e);
+    one["method"] = e.method;
+    one["effects"] = Json::array();
     if (!e.damaged.empty()) return one;
     const Calibration c = store.load(e.id);
     one["effects"] = parametersJson(c);

@@ -1,6 +1,7 @@
 #include "workbench/page.h"
 
 #include "base/error.h"
+#include "base/text.h"
 #include "report/web_files.h"
 #include "workbench/access.h"
 
@@ -23,8 +24,6 @@ const Library kLibraries[] = {{"preact.mjs", "preact"},     {"hooks.mjs", "preac
                               {"uPlot.mjs", "uplot"},       {"uPlot.min.css", "uplot"},
                               {"three.module.js", "three"}, {"three.core.js", "three"}};
 
-bool isStyle(const std::string& name) { return name.size() > 4 && name.substr(name.size() - 4) == ".css"; }
-
 void replaceAll(std::string& text, const std::string& what, const std::string& by) {
   for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size()))
     text.replace(at, what.size(), by);
@@ -46,7 +45,7 @@ Page::Page() : html_(webFile("workbench/workbench.html")) {
           (why.empty() ? "" : " (" + why + ")") + "; build again where the npm registry can be reached");
     }
     parts_[std::string("/lib/") + library.file] =
-        WebAnswer::text(text, isStyle(library.file) ? kStyle : kScript);
+        WebAnswer::text(text, endsWith(library.file, ".css") ? kStyle : kScript);
   }
 }
 

@@ -10,53 +10,6 @@ namespace {
 
 constexpr std::size_t kMostKeys = 32, kLongestName = 40, kLongestFileName = 120;
 
-/// Reads one flat object as it comes: nothing is built that a client could make deep.
-class FlatObject : public nlohmann::json_sax<nlohmann::json> {
- public:
-  struct Item {
-    std::string key;
-    bool isText = false;
-    std::string text;
-    std::uint64_t number = 0;
-  };
-  std::vector<Item> items;
-  std::string wrong;
-
-  bool null() override { return refuse("null"); }
-  bool boolean(bool) override { return refuse("true or false"); }
-  bool number_integer(number_integer_t) override { return refuse("a negative number"); }
-  bool number_unsigned(number_unsigned_t value) override { return add(false, {}, value); }
-  bool number_float(number_float_t, const string_t&) override { return refuse("a number with a fraction"); }
-  bool string(string_t& value) override { return add(true, value, 0); }
-  bool binary(binary_t&) override { return refuse("bytes"); }
-  bool start_object(std::size_t) override { return open_++ == 0 || refuse("an object"); }
-  bool key(string_t& name) override {
-    key_ = name;
-    return items.size() < kMostKeys || refuse("one more key than is known");
-  }
-  bool end_object() override { return true; }
-  bool start_array(std::size_t) override { return refuse("a list"); }
-  bool end_array() override { return true; }
-  bool parse_error(std::size_t at, const std::string&, const nlohmann::detail::exception&) override {
-    wrong = "the request is not JSON: character " + std::to_string(at);
-    return false;
-  }
-
- private:
-  bool add(bool isText, const std::string& text, std::uint64_t number) {
-    if (open_ == 0) return refuse("a single value");
-    items.push_back({key_, isText, text, number});
-    return true;
-  }
-  bool refuse(const std::string& what) {
-    wrong = "the request" + (key_.empty() ? std::string() : "'s '" + key_.substr(0, kLongestName) + "'") +
-            " is " + what + "; a text or a whole number is understood";
-    return false;
-  }
-  int open_ = 0;
-  std::string key_;
-};
-
 std::string printable(const std::string& given) {
   std::string text;
   for (const char c : given)
@@ -70,26 +23,44 @@ bool insideLetter(char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x8
 }  // namespace
 
 RequestBody::RequestBody(const std::string& json) {
-  FlatObject object;
-  if (!nlohmann::json::sax_parse(json, &object))
-    throw InputError(object.wrong.empty() ? "the request is not JSON" : object.wrong);
-  for (const FlatObject::Item& item : object.items)
-    if (!values_.emplace(item.key, Value{item.isText, item.text, item.number}).second)
-      throw InputError("the request has '" + item.key.substr(0, kLongestName) + "' twice");
+  using Json = nlohmann::json;
+  std::string key;
+  // as it comes: nothing is built that a client could make deep
+  const auto take = [&](int depth, Json::parse_event_t event, const Json& part) {
+    if (event == Json::parse_event_t::key) {
+      key = part.get<std::string>();
+      if (values_.count(key) > 0)
+        throw InputError("the request has '" + key.substr(0, kLongestName) + "' twice");
+      if (values_.size() == kMostKeys) throw InputError("the request has more keys than are known");
+    } else if (depth > 0 && part.is_string()) {
+      values_[key] = part.get<std::string>();
+    } else if (depth > 0 && part.is_number_unsigned()) {
+      values_[key] = part.get<std::uint64_t>();
+    } else if (depth > 0) {
+      throw InputError("the request's '" + key.substr(0, kLongestName) +
+                       "' is neither a text nor a whole number");
+    }
+    return true;
+  };
+  try {
+    if (!Json::parse(json, take).is_object()) throw InputError("the request is no object");
+  } catch (const Json::exception&) {
+    throw InputError("the request is not JSON");
+  }
 }
 
 std::string RequestBody::text(const std::string& key) const {
   const auto found = values_.find(key);
   if (found == values_.end()) return {};
-  if (!found->second.isText) throw InputError("the request's '" + key + "' is not a text");
-  return found->second.text;
+  if (const auto* value = std::get_if<std::string>(&found->second)) return *value;
+  throw InputError("the request's '" + key + "' is not a text");
 }
 
 std::uint64_t RequestBody::number(const std::string& key) const {
   const auto found = values_.find(key);
   if (found == values_.end()) return 0;
-  if (found->second.isText) throw InputError("the request's '" + key + "' is not a whole number");
-  return found->second.number;
+  if (const auto* value = std::get_if<std::uint64_t>(&found->second)) return *value;
+  throw InputError("the request's '" + key + "' is not a whole number");
 }
 
 void RequestBody::refuseOthers(const std::string& action, const std::vector<std::string>& known) const {

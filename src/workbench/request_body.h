@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace mm {
@@ -19,12 +20,7 @@ class RequestBody {
   void refuseOthers(const std::string& action, const std::vector<std::string>& known) const;
 
  private:
-  struct Value {
-    bool isText = false;
-    std::string text;
-    std::uint64_t number = 0;
-  };
-  std::map<std::string, Value> values_;
+  std::map<std::string, std::variant<std::string, std::uint64_t>> values_;
 };
 
 /// A name as a person gives it: at most 40 bytes, no letter cut in two, no control characters.

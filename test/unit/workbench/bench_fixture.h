@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "nine_ball_plate.h"
 #include "session_files.h"
 #include "simulation/simulate.h"
 #include "workbench/bench.h"
@@ -25,8 +26,7 @@ inline const Session& plate() {
     SimulationRequest request;
     request.hide = {"backlash:x=3um"};
     request.seed = 5;
-    Session measured =
-        simulate(machine, Plan::load("config/plans/nine_ball_plate.yaml", machine), request).session;
+    Session measured = simulate(machine, nineBallPlate(machine, 30), request).session;
     measured.source = "plate.bag";
     return measured;
   }();

@@ -2,8 +2,8 @@
 
 #include <cstdlib>
 
+#include "base/temporary_folder.h"
 #include "bench_fixture.h"
-#include "workbench/temporary_file.h"
 
 namespace mm {
 namespace {
@@ -237,13 +237,13 @@ TEST_F(BenchTest, ThePageNamesNoOtherSite) {
   EXPECT_EQ(bench_->get("/lib/three.core.js").status, 200u);
 }
 
-TEST(TemporaryFile, GoesWithItsOwner) {
+TEST(TemporaryFolder, GoesWithItsOwner) {
   std::filesystem::path path;
   {
-    const TemporaryFile file(".bag", "content");
-    path = file.path();
-    EXPECT_EQ(test::readAll(path), "content");
-    EXPECT_EQ(path.extension(), ".bag");
+    const TemporaryFolder folder;
+    folder.write("sent.bag", "content");
+    path = folder.path();
+    EXPECT_EQ(test::readAll(path / "sent.bag"), "content");
   }
   EXPECT_FALSE(std::filesystem::exists(path));
 }

@@ -1,4 +1,4 @@
-#include "tools/xml_signer.h"
+#include "tools/outside_programs.h"
 
 #include <chrono>
 
@@ -13,32 +13,65 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::chrono::minutes kSignerPatience(1);
-constexpr double kSignerLook = 0.1;  // s, between two looks at Ctrl-C
+const std::string kInstead = "write a page (-o certificate.html) and print it from any browser";
+
+/// Runs a program to its end. @return its exit status. @throw InputError: `tooLong`;
+/// Cancelled by Ctrl-C.
+int ran(const std::vector<std::string>& words, const fs::path& log, std::chrono::minutes patience,
+        const std::string& tooLong) {
+  constexpr double kLook = 0.1;  // s, between two looks at Ctrl-C
+  ChildProcess process(words, log);
+  const auto until = std::chrono::steady_clock::now() + patience;
+  while (!process.endsWithin(kLook)) {
+    Interrupt::check();
+    if (std::chrono::steady_clock::now() > until) throw InputError(tooLong);
+  }
+  return process.status();
+}
+
+/// Whether it wrote anything: on a full disk it may leave nothing.
+bool wrote(const fs::path& file) {
+  std::error_code missing;
+  return fs::is_regular_file(file, missing) && fs::file_size(file, missing) > 0;
+}
 
 /// Runs xmlsec1 with its key by name alone: what else a document says of its key is not used.
 /// @return its exit status.
 int ranXmlSigner(std::vector<std::string> words, const fs::path& log) {
   words.insert(words.begin(), "xmlsec1");
   words.insert(words.begin() + 2, {"--enabled-key-data", "key-name"});
-  ChildProcess process(words, log);
-  const auto until = std::chrono::steady_clock::now() + kSignerPatience;
-  while (!process.endsWithin(kSignerLook)) {
-    Interrupt::check();
-    if (std::chrono::steady_clock::now() > until)
-      throw InputError("xmlsec1 has not ended within a minute; try again");
-  }
-  return process.status();
+  return ran(words, log, std::chrono::minutes(1), "xmlsec1 has not ended within a minute; try again");
 }
 
 }  // namespace
+
+void requirePdfPrinter() {
+  if (!onPath("weasyprint"))
+    throw InputError(
+        "a PDF is printed by weasyprint, which is not on the path; install it (apt install weasyprint), or " +
+        kInstead);
+}
+
+std::string printedPdf(const std::string& html) {
+  const TemporaryFolder folder;
+  folder.write("certificate.html", html);
+  const fs::path pdf = folder.path() / "certificate.pdf";
+  const int status =
+      ran({"weasyprint", "--quiet", folder.path() / "certificate.html", pdf}, folder.path() / "log",
+          std::chrono::minutes(2), "weasyprint has not printed within two minutes; " + kInstead);
+  // On a full disk it may leave the half of a document.
+  if (status != 0)
+    throw InputError("weasyprint failed to print (exit status " + std::to_string(status) +
+                     "); is the disk full? Else " + kInstead);
+  if (!wrote(pdf)) throw InputError("weasyprint printed nothing; " + kInstead);
+  return readFile(pdf);
+}
 
 void requireXmlSigner() {
   if (!onPath("xmlsec1"))
     throw InputError(
         "an XML certificate is signed and verified by xmlsec1, which is not on the path; install it (apt "
-        "install "
-        "xmlsec1), or write the certificate without --sign");
+        "install xmlsec1), or write the certificate without --sign");
 }
 
 std::string signedXml(const std::string& prepared, const fs::path& key, const std::string& name) {
@@ -50,8 +83,7 @@ std::string signedXml(const std::string& prepared, const fs::path& key, const st
   const int status = ranXmlSigner({"--sign", "--privkey-pem:" + name, folder.path() / "key.pem", "--output",
                                    out, folder.path() / "prepared.xml"},
                                   log);
-  std::error_code missing;
-  if (status != 0 || !fs::is_regular_file(out, missing) || fs::file_size(out, missing) == 0)
+  if (status != 0 || !wrote(out))
     throw InputError("xmlsec1 did not sign with " + key.string() + " (exit status " + std::to_string(status) +
                      "): " + lastWordsOf(log) + "; is the disk full? Else name another key");
   return readFile(out);
