@@ -1,7 +1,6 @@
 #include "base/checksum.h"
 
 #include <boost/crc.hpp>
-#include <cstdint>
 #include <cstdio>
 
 namespace mm {
@@ -12,6 +11,13 @@ std::string checksumOf(std::string_view bytes) {
   crc.process_bytes(bytes.data(), bytes.size());
   char digits[17];
   std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(crc.checksum()));
+  return digits;
+}
+
+std::string hexDigits(const unsigned char* bytes, std::size_t count) {
+  std::string digits;
+  for (std::size_t i = 0; i < count; ++i)
+    for (const int digit : {bytes[i] >> 4, bytes[i] & 15}) digits += "0123456789abcdef"[digit];
   return digits;
 }
 

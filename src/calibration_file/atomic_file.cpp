@@ -60,15 +60,6 @@ int writeAll(int descriptor, const std::string& text) {
   return 0;
 }
 
-/// Makes a rename survive a power cut. Some file systems cannot sync a folder: then the rename is as safe as
-/// it gets.
-void syncFolder(const fs::path& folder) {
-  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return;
-  ::fsync(descriptor);
-  ::close(descriptor);
-}
-
 fs::path folderOf(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
@@ -80,6 +71,13 @@ fs::path temporaryBeside(const fs::path& file) {
 }
 
 }  // namespace
+
+void syncPath(const fs::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  ::fsync(descriptor);
+  ::close(descriptor);
+}
 
 void writeFileAtomically(const fs::path& file, const std::string& text) {
   std::error_code ignored;
@@ -99,7 +97,7 @@ void writeFileAtomically(const fs::path& file, const std::string& text) {
     if (!direct) ::unlink(temporary.c_str());
     refuse(file, cause);
   }
-  if (!direct) syncFolder(folderOf(target));
+  if (!direct) syncPath(folderOf(target));
 }
 
 void linkAtomically(const fs::path& link, const std::string& target) {
@@ -111,7 +109,7 @@ void linkAtomically(const fs::path& link, const std::string& target) {
     ::unlink(temporary.c_str());
     refuse(link, cause);
   }
-  syncFolder(folderOf(link));
+  syncPath(folderOf(link));
 }
 
 std::string readFile(const fs::path& file) { return readWholeFile(file, "check the path"); }

@@ -10,6 +10,10 @@ namespace mm {
 /// cause and the remedy.
 void writeFileAtomically(const std::filesystem::path& file, const std::string& text);
 
+/// Makes what was renamed in a folder, or written to a file, survive a power cut. Some file systems cannot
+/// sync: then it is as safe as it gets.
+void syncPath(const std::filesystem::path& path);
+
 /// Points the symbolic link to `target` (relative to the link's folder) in one step. @throw InputError.
 void linkAtomically(const std::filesystem::path& link, const std::string& target);
 

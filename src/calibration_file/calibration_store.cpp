@@ -30,7 +30,16 @@ constexpr const char* kVerifications = "verifications";
 constexpr const char* kCertificates = "certificates";
 constexpr const char* kSuffix = ".yaml";
 
-/// Lets one writer at a time into a folder; released with the process at the latest.
+/// Temporary files of a writer that was killed. Only under the lock, where no living writer has any.
+void removeLeftovers(const fs::path& folder) {
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
+    if (entry.path().filename().string().find(kTemporaryMark) != std::string::npos)
+      fs::remove(entry.path(), ignored);
+}
+
+/// Lets one writer at a time into a folder, without what those that were killed left there; released with
+/// the process at the latest.
 class FolderLock {
  public:
   explicit FolderLock(const fs::path& folder) {
@@ -41,6 +50,7 @@ class FolderLock {
                        "; check the permissions of the folder of calibrations");
     while (::flock(descriptor_, LOCK_EX) != 0 && errno == EINTR) {
     }
+    removeLeftovers(folder);
   }
   ~FolderLock() { ::close(descriptor_); }
   FolderLock(const FolderLock&) = delete;
@@ -60,12 +70,28 @@ void checkId(const std::string& id) {
                      "': only letters, digits, '.', '_' and '-'; mm history lists the ids");
 }
 
-/// Temporary files of a writer that was killed. Only under the lock, where no living writer has any.
-void removeLeftovers(const fs::path& folder) {
-  std::error_code ignored;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
-    if (entry.path().filename().string().find(kTemporaryMark) != std::string::npos)
-      fs::remove(entry.path(), ignored);
+/// One of the lists, an entry a line; those that `read(words, entry)` cannot read are left out.
+template <class Entry, class Read>
+std::vector<Entry> entriesOf(const fs::path& list, const Read& read) {
+  std::vector<Entry> all;
+  if (!fs::exists(list)) return all;
+  std::istringstream lines(readFile(list));
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    if (Entry entry; read(words, entry)) all.push_back(std::move(entry));
+  }
+  return all;
+}
+
+void addLine(const fs::path& list, const std::string& line) {
+  std::string text = fs::exists(list) ? readFile(list) : std::string();
+  if (!text.empty() && text.back() != '\n') text += '\n';
+  writeFileAtomically(list, text + line + "\n");
+}
+
+InputError noSuch(const fs::path& folder, const std::string& id) {
+  return InputError("no calibration '" + id + "' in " + folder.string() +
+                    "; mm history lists the stored ones");
 }
 
 }  // namespace
@@ -124,16 +150,13 @@ std::string CalibrationStore::linkedHere(const char* link) const {
 
 Calibration CalibrationStore::load(const std::string& id) const {
   const fs::path file = fileOf(id);
-  if (!fs::exists(file))
-    throw InputError("no calibration '" + id + "' in " + folder_.string() +
-                     "; mm history lists the stored ones");
+  if (!fs::exists(file)) throw noSuch(folder_, id);
   return loadCalibration(file);
 }
 
 std::string CalibrationStore::add(Calibration& calibration) {
   prepareFolder();
   const FolderLock lock(folder_);
-  removeLeftovers(folder_);
   completeCalibration(calibration);
   const std::string wanted = calibration.id;
   for (int n = 2; fs::exists(fileOf(calibration.id)); ++n) {
@@ -146,11 +169,9 @@ std::string CalibrationStore::add(Calibration& calibration) {
 }
 
 std::vector<CalibrationStore::Promotion> CalibrationStore::promotions() const {
-  std::vector<Promotion> all;
-  if (!fs::exists(folder_ / kPromotions)) return all;
-  std::istringstream lines(readFile(folder_ / kPromotions));
-  for (Promotion p; lines >> p.time >> p.action >> p.id;) all.push_back(p);
-  return all;
+  return entriesOf<Promotion>(folder_ / kPromotions, [](std::istream& words, Promotion& p) {
+    return static_cast<bool>(words >> p.time >> p.action >> p.id);
+  });
 }
 
 bool CalibrationStore::keeps(const std::string& id) const {
@@ -161,68 +182,48 @@ bool CalibrationStore::keeps(const std::string& id) const {
 // time id verdict before after and their standard uncertainties, unit, points, session: that last, for it may
 // hold blanks.
 void CalibrationStore::note(Verified v) const {
-  if (!keeps(v.id))
-    throw InputError("no calibration '" + v.id + "' in " + folder_.string() +
-                     "; mm history lists the stored ones");
+  if (!keeps(v.id)) throw noSuch(folder_, v.id);
   if (v.time.empty()) v.time = utcNow();
   for (char& c : v.session)
     if (std::iscntrl(static_cast<unsigned char>(c)) != 0) c = ' ';
   const double unit = v.angular ? kArcsecond : kMicrometre;
   const FolderLock lock(folder_);
-  removeLeftovers(folder_);
-  const fs::path file = folder_ / kVerifications;
-  writeFileAtomically(file, (fs::exists(file) ? readFile(file) : std::string()) +
-                                format("%s %s %s %.6g %.6g %.3g %.3g %s %d ", v.time.c_str(), v.id.c_str(),
-                                       v.verdict.c_str(), v.before / unit, v.after / unit, v.beforeStd / unit,
-                                       v.afterStd / unit, v.angular ? "arcsec" : "um", v.points) +
-                                v.session + "\n");
+  addLine(folder_ / kVerifications,
+          format("%s %s %s %.6g %.6g %.3g %.3g %s %d ", v.time.c_str(), v.id.c_str(), v.verdict.c_str(),
+                 v.before / unit, v.after / unit, v.beforeStd / unit, v.afterStd / unit,
+                 v.angular ? "arcsec" : "um", v.points) +
+              v.session);
 }
 
 int CalibrationStore::noteIssue(Issue issue) const {
-  if (!keeps(issue.id))
-    throw InputError("no calibration '" + issue.id + "' in " + folder_.string() +
-                     "; mm history lists the stored ones");
+  if (!keeps(issue.id)) throw noSuch(folder_, issue.id);
   const FolderLock lock(folder_);
-  removeLeftovers(folder_);
   for (const Issue& earlier : issues())
     if (earlier.id == issue.id) issue.count = std::max(issue.count, earlier.count + 1);
   issue.count = std::max(issue.count, 1);
-  const fs::path file = folder_ / kCertificates;
-  writeFileAtomically(file, (fs::exists(file) ? readFile(file) : std::string()) + issue.stamp + " " +
-                                issue.id + " " + issue.form + " " + std::to_string(issue.count) + "\n");
+  addLine(folder_ / kCertificates,
+          issue.stamp + " " + issue.id + " " + issue.form + " " + std::to_string(issue.count));
   return issue.count;
 }
 
 std::vector<CalibrationStore::Issue> CalibrationStore::issues() const {
-  std::vector<Issue> all;
-  if (!fs::exists(folder_ / kCertificates)) return all;
-  std::istringstream lines(readFile(folder_ / kCertificates));
-  for (std::string line; std::getline(lines, line);) {
-    std::istringstream words(line);
-    Issue issue;
-    if (words >> issue.stamp >> issue.id >> issue.form >> issue.count) all.push_back(issue);
-  }
-  return all;
+  return entriesOf<Issue>(folder_ / kCertificates, [](std::istream& words, Issue& issue) {
+    return static_cast<bool>(words >> issue.stamp >> issue.id >> issue.form >> issue.count);
+  });
 }
 
 std::vector<CalibrationStore::Verified> CalibrationStore::verifications() const {
-  std::vector<Verified> all;
-  if (!fs::exists(folder_ / kVerifications)) return all;
-  std::istringstream lines(readFile(folder_ / kVerifications));
-  for (std::string line; std::getline(lines, line);) {
-    std::istringstream words(line);
-    Verified v;
+  return entriesOf<Verified>(folder_ / kVerifications, [](std::istream& words, Verified& v) {
     std::string unit;
     if (!(words >> v.time >> v.id >> v.verdict >> v.before >> v.after >> v.beforeStd >> v.afterStd >> unit >>
           v.points))
-      continue;
+      return false;
     v.angular = unit == "arcsec";
     for (double* figure : {&v.before, &v.after, &v.beforeStd, &v.afterStd})
       *figure *= v.angular ? kArcsecond : kMicrometre;
     std::getline(words >> std::ws, v.session);
-    all.push_back(std::move(v));
-  }
-  return all;
+    return true;
+  });
 }
 
 std::vector<std::string> CalibrationStore::before(const std::string& id) const {
@@ -243,9 +244,7 @@ std::vector<std::string> CalibrationStore::before(const std::string& id) const {
 }
 
 void CalibrationStore::makeActive(const std::string& id, const std::string& action) const {
-  std::string text;
-  for (const Promotion& p : promotions()) text += p.time + " " + p.action + " " + p.id + "\n";
-  writeFileAtomically(folder_ / kPromotions, text + utcNow() + " " + action + " " + id + "\n");
+  addLine(folder_ / kPromotions, utcNow() + " " + action + " " + id);
   linkAtomically(folder_ / kActive, id + kSuffix);
 }
 
@@ -257,7 +256,6 @@ std::string CalibrationStore::promote(const std::string& id, const Check& check)
   const Calibration wanted = load(chosen);  // refuses what is damaged before it is active
   if (check) check(wanted);
   const FolderLock lock(folder_);
-  removeLeftovers(folder_);
   if (linkedHere(kActive) != chosen) makeActive(chosen, "promote");
   if (linkedHere(kCandidate) == chosen) {
     std::error_code ignored;
@@ -300,7 +298,6 @@ std::string CalibrationStore::rollback(const std::string& id, const Check& check
   const Calibration wanted = load(chosen);
   if (check) check(wanted);
   const FolderLock lock(folder_);
-  removeLeftovers(folder_);
   makeActive(chosen, "rollback");
   return chosen;
 }

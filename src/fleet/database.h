@@ -3,7 +3,6 @@
 #include <functional>
 #include <memory>
 #include <string>
-#include <vector>
 
 struct sqlite3;
 struct sqlite3_stmt;

@@ -19,6 +19,11 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kFewestPoints = 5;  // of a series that is asked for a trend
 
+template <class Thing, class Which>
+void removeThose(std::vector<Thing>& things, const Which& which) {
+  things.erase(std::remove_if(things.begin(), things.end(), which), things.end());
+}
+
 /// A calibration that could not be read: of which model is not known.
 bool modelUnknown(const FleetRecord& r) { return r.model.empty() && r.result.status != "done"; }
 
@@ -57,12 +62,10 @@ void keepWanted(Fleet& fleet, const FleetOptions& options) {
   for (FleetRecord& r : fleet.records) {
     std::vector<std::string>& found = r.result.found;
     quantities.insert(found.begin(), found.end());
-    found.erase(std::remove_if(found.begin(), found.end(), other), found.end());
+    removeThose(found, other);
     any = any || !found.empty();
   }
-  fleet.series.erase(std::remove_if(fleet.series.begin(), fleet.series.end(),
-                                    [&](const FleetSeries& s) { return other(s.quantity); }),
-                     fleet.series.end());
+  removeThose(fleet.series, [&](const FleetSeries& s) { return other(s.quantity); });
   if (fleet.series.empty() && !any)
     throw InputError("--parameter: no quantity has '" + options.parameter + "' in its name; there are " +
                      listOf({quantities.begin(), quantities.end()}));
@@ -163,11 +166,8 @@ Fleet fleetOf(std::vector<FleetRecord> records, const FleetOptions& options) {
   findRecurrences(fleet, half * options.alarm / std::max(1.0, recurrences));
   findBadSensors(fleet);
   condense(fleet);
-  fleet.findings.erase(std::remove_if(fleet.findings.begin(), fleet.findings.end(),
-                                      [&](const Finding& f) {
-                                        return f.quantity.find(options.parameter) == std::string::npos;
-                                      }),
-                       fleet.findings.end());
+  removeThose(fleet.findings,
+              [&](const Finding& f) { return f.quantity.find(options.parameter) == std::string::npos; });
   std::stable_sort(fleet.findings.begin(), fleet.findings.end(),
                    [](const Finding& a, const Finding& b) { return a.p < b.p; });
   if (options.machine.empty()) return fleet;
@@ -176,13 +176,10 @@ Fleet fleetOf(std::vector<FleetRecord> records, const FleetOptions& options) {
                      didYouMean(options.machine, fleet.machines) + " (machines are " +
                      listOf(fleet.machines) + ")");
   const auto others = [&](const auto& item) { return item.machine != options.machine; };
-  fleet.series.erase(std::remove_if(fleet.series.begin(), fleet.series.end(), others), fleet.series.end());
-  fleet.findings.erase(std::remove_if(fleet.findings.begin(), fleet.findings.end(), others),
-                       fleet.findings.end());
-  fleet.records.erase(std::remove_if(fleet.records.begin(), fleet.records.end(), others),
-                      fleet.records.end());
-  fleet.failures.erase(std::remove_if(fleet.failures.begin(), fleet.failures.end(), others),
-                       fleet.failures.end());
+  removeThose(fleet.series, others);
+  removeThose(fleet.findings, others);
+  removeThose(fleet.records, others);
+  removeThose(fleet.failures, others);
   return fleet;
 }
 

@@ -1,6 +1,5 @@
 #include "fleet/fleet_database.h"
 
-#include <cmath>
 #include <type_traits>
 
 #include "base/error.h"

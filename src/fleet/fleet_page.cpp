@@ -6,6 +6,7 @@
 
 #include "base/format.h"
 #include "fleet/fleet.h"
+#include "report/report_page.h"
 #include "report/web_files.h"
 
 namespace mm {
@@ -15,23 +16,6 @@ constexpr double kNoHeight = 1e-9;  // of values that are all zero: a picture ne
 
 constexpr double kWidth = 240, kHeight = 96, kLeft = 40, kRight = 6, kTop = 6, kBottom = 14;
 constexpr std::size_t kQuietShown = 24;  // of one quantity: all that have a finding, and so many others
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += c;
-  }
-  return out;
-}
 
 /// One scale for all machines of a quantity, so that they can be compared at a look.
 struct Scale {
@@ -82,9 +66,10 @@ std::string trendLines(const FleetSeries& s, const Scale& scale) {
 
 std::string panel(const FleetSeries& s, const Scale& scale, const Sisterhood& sisters, bool found) {
   std::string svg = format("<figure class=\"%s\"><figcaption><b>", found ? "found" : "quiet-panel");
-  svg += escaped(s.machine) + "</b><span>" + format("%zu sessions", s.points.size()) + "</span></figcaption>";
+  svg += escapedHtml(s.machine) + "</b><span>" + format("%zu sessions", s.points.size()) +
+         "</span></figcaption>";
   svg += format("<svg viewBox=\"0 0 %.0f %.0f\" role=\"img\" aria-label=\"", kWidth, kHeight);
-  svg += escaped(s.quantity + " of machine " + s.machine) + "\">";
+  svg += escapedHtml(s.quantity + " of machine " + s.machine) + "\">";
   const double half = 2.0 * sisters.spread;
   if (half > 0.0 && sisters.p.size() > 3) {
     const double top = scale.y(sisters.centre + half), bottom = scale.y(sisters.centre - half);
@@ -106,9 +91,9 @@ std::string panel(const FleetSeries& s, const Scale& scale, const Sisterhood& si
   svg += format("<text x=\"%.0f\" y=\"%.0f\" text-anchor=\"end\">%.3g</text>", kLeft - 3, kHeight - kBottom,
                 scale.low);
   svg += format("<text x=\"%.0f\" y=\"%.0f\">%s</text>", kLeft, kHeight - 3,
-                escaped(scale.fromDate.substr(0, 10)).c_str());
+                escapedHtml(scale.fromDate.substr(0, 10)).c_str());
   svg += format("<text x=\"%.0f\" y=\"%.0f\" text-anchor=\"end\">%s</text>", kWidth - kRight, kHeight - 3,
-                escaped(scale.toDate.substr(0, 10)).c_str());
+                escapedHtml(scale.toDate.substr(0, 10)).c_str());
   return svg + "</svg></figure>\n";
 }
 
@@ -153,8 +138,8 @@ std::string findingsHtml(const Fleet& fleet) {
            format("%.0f", 1.0 / fleet.alarm) + ".</p>";
   std::string html = "<ul class=\"findings\">";
   for (const Finding& f : fleet.findings)
-    html +=
-        "<li><span class=\"kind\">" + escaped(kindInWords(f.kind)) + "</span>" + escaped(f.inWords) + "</li>";
+    html += "<li><span class=\"kind\">" + escapedHtml(kindInWords(f.kind)) + "</span>" +
+            escapedHtml(f.inWords) + "</li>";
   return html + "</ul><p class=\"soft\">" + format("%.0f", fleet.questions) +
          " tests were made; the false alarm probability of the whole fleet is " + chance + ".</p>";
 }
@@ -165,8 +150,8 @@ std::string failuresHtml(const Fleet& fleet) {
       "<h2>Jobs that failed</h2><div class=\"wide\"><table><tr><th>machine</th><th>session</th>"
       "<th>step</th><th>why</th></tr>";
   for (const FleetRecord& r : fleet.failures)
-    html += "<tr><td>" + escaped(r.machine) + "</td><td>" + escaped(r.session) + "</td><td>" +
-            escaped(r.result.failed) + "</td><td>" + escaped(r.result.why) + "</td></tr>";
+    html += "<tr><td>" + escapedHtml(r.machine) + "</td><td>" + escapedHtml(r.session) + "</td><td>" +
+            escapedHtml(r.result.failed) + "</td><td>" + escapedHtml(r.result.why) + "</td></tr>";
   return html + "</table></div>";
 }
 
@@ -188,8 +173,8 @@ std::string fleetPage(const Fleet& fleet) {
       "<title>Fleet: measuring machine report</title><style>\n" +
       webFile("fleet.css") + "</style></head><body><main>\n<h1>" +
       format("%zu machines, %ld sessions", fleet.machines.size(), fleet.done) + "</h1>";
-  html += "<p class=\"soft\">" + escaped(fleet.source) +
-          (fleet.model.empty() ? "" : "; model " + escaped(fleet.model)) +
+  html += "<p class=\"soft\">" + escapedHtml(fleet.source) +
+          (fleet.model.empty() ? "" : "; model " + escapedHtml(fleet.model)) +
           (fleet.failed > 0 ? format("; %ld jobs failed", fleet.failed) : "") +
           (fleet.open > 0 ? format("; %ld fits did not converge and are not used", fleet.open) : "") +
           (fleet.waiting > 0 ? format("; %ld jobs wait", fleet.waiting) : "") + "</p>\n";
@@ -200,7 +185,7 @@ std::string fleetPage(const Fleet& fleet) {
           "present range of the other machines, two standard deviations wide on either side.</p>\n";
   for (const std::string& quantity : order) {
     const std::vector<const FleetSeries*>& group = groups[quantity];
-    html += "<h3>" + escaped(quantity) + " <span class=\"soft\">/ " + escaped(group.front()->unit) +
+    html += "<h3>" + escapedHtml(quantity) + " <span class=\"soft\">/ " + escapedHtml(group.front()->unit) +
             "</span></h3>" + multiples(group, found[quantity]) + "\n";
   }
   return html + failuresHtml(fleet) + "</main></body></html>\n";

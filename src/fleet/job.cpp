@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <type_traits>
 
+#include "base/checksum.h"
 #include "base/error.h"
 #include "base/number_text.h"
 #include "base/version.h"
@@ -60,13 +61,7 @@ class PartsHash {
   std::string digits() {
     std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
     EVP_DigestFinal_ex(context_.get(), digest.data(), nullptr);
-    static const char* const kDigits = "0123456789abcdef";
-    std::string text;
-    for (std::size_t i = 0; i < 16; ++i) {
-      text += kDigits[digest[i] >> 4];
-      text += kDigits[digest[i] & 15];
-    }
-    return text;
+    return hexDigits(digest.data(), 16);
   }
   void bytes(const char* data, std::size_t size) { EVP_DigestUpdate(context_.get(), data, size); }
 

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "base/error.h"
+#include "base/range.h"
 #include "fleet/robust_numbers.h"
 
 namespace mm {
@@ -41,15 +42,15 @@ AtSpread atSpread(const std::vector<Sister>& sisters, double spread) {
 PopulationPrior predictiveOf(const std::vector<Sister>& sisters) {
   PopulationPrior prior;
   prior.machines = sisters.size();
-  double low = sisters.front().value, high = low, least = 0.0;
+  Range values;
+  double least = 0.0;
   for (const Sister& s : sisters) {
-    low = std::min(low, s.value);
-    high = std::max(high, s.value);
+    values.add(s.value);
     least = std::max(least, s.std);
   }
-  const double reach = std::max(4.0 * (high - low), 4.0 * least);
+  const double reach = 4.0 * std::max(values.size(), least);
   if (!(reach > 0.0)) {
-    prior.mean = low;
+    prior.mean = values.lower;
     return prior;
   }
   constexpr int kSteps = 2000;

@@ -22,13 +22,6 @@ void makeFolder(const std::filesystem::path& folder) {
                      "; check the path and its permissions");
 }
 
-void syncPath(const std::filesystem::path& path) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) return;
-  ::fsync(descriptor);  // some file systems cannot: then it is as safe as it gets
-  ::close(descriptor);
-}
-
 }  // namespace
 
 std::filesystem::path ResultsFolder::jobFolder(const std::string& key) const {

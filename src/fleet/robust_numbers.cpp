@@ -42,23 +42,28 @@ double pairSpread(const std::vector<double>& values) {
   return kOfNormal * factor * *at;
 }
 
+double leastSpread(const std::function<bool(double)>& tooSmall, double high, int halvings) {
+  if (!tooSmall(0.0)) return 0.0;
+  double low = 0.0;
+  for (int i = 0; i < halvings; ++i) {
+    const double middle = 0.5 * (low + high);
+    (tooSmall(middle) ? low : high) = middle;
+  }
+  return high;
+}
+
 double excessScatter(const std::vector<double>& value, const std::vector<double>& variance) {
   if (value.empty()) return 0.0;
-  const auto tooLarge = [&](double scatter) {
+  const auto tooSmall = [&](double scatter) {
     std::vector<double> size;
     for (std::size_t i = 0; i < value.size(); ++i)
       size.push_back(std::abs(value[i]) / std::sqrt(variance[i] + scatter * scatter + kTiny));
     return median(std::move(size)) > kNormalMedian;
   };
-  if (!tooLarge(0.0)) return 0.0;
-  double low = 0.0, high = 0.0;
+  double high = 0.0;
   for (const double v : value) high = std::max(high, 2.0 * std::abs(v));
   constexpr int kHalvings = 60;
-  for (int i = 0; i < kHalvings; ++i) {
-    const double middle = 0.5 * (low + high);
-    (tooLarge(middle) ? low : high) = middle;
-  }
-  return high;
+  return leastSpread(tooSmall, high, kHalvings);
 }
 
 double twoSidedT(double t, double dof) {

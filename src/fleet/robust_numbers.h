@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <vector>
 
 namespace mm {
@@ -13,6 +14,9 @@ double robustSpread(const std::vector<double>& values);
 /// deviation, and of normal numbers it is known twice as well. Time goes with the square of their number. NaN
 /// below two.
 double pairSpread(const std::vector<double>& values);
+
+/// The least spread from 0 to `high` that is not too small, to a share of 2^-halvings of it.
+double leastSpread(const std::function<bool(double)>& tooSmall, double high, int halvings);
 
 /// Scatter beyond the stated uncertainties that makes the median of |value| / sqrt(std^2 + scatter^2) that of
 /// normal numbers; 0 where they scatter less than stated.

@@ -22,15 +22,11 @@ double excessSpread(const std::vector<double>& away, const std::vector<double>& 
       scaled.push_back(away[i] / std::sqrt(variance[i] + spread * spread + kTiny));
     return pairSpread(scaled) > 1.0;
   };
-  if (away.size() < 2 || !tooSmall(0.0)) return 0.0;
-  double low = 0.0, high = 0.0;
+  if (away.size() < 2) return 0.0;
+  double high = 0.0;
   for (const double a : away) high = std::max(high, 10.0 * std::abs(a));
   constexpr int kHalvings = 30;  // to 1e-8 of the largest deviation
-  for (int i = 0; i < kHalvings; ++i) {
-    const double middle = 0.5 * (low + high);
-    (tooSmall(middle) ? low : high) = middle;
-  }
-  return high;
+  return leastSpread(tooSmall, high, kHalvings);
 }
 
 /// Degrees of freedom of a Student's t that the deviation of a machine from the median, in units of the

@@ -17,11 +17,9 @@ LinearMotion linearMotion(const std::vector<int>& linear, const Eigen::Matrix3Xd
   motion.change = Eigen::VectorXd::Zero(byJoint.cols());
   motion.missed = displacement.norm();
   if (linear.empty()) return motion;
-  Eigen::MatrixXd columns(3, static_cast<Eigen::Index>(linear.size()));
-  for (std::size_t k = 0; k < linear.size(); ++k)
-    columns.col(static_cast<Eigen::Index>(k)) = byJoint.col(linear[k]);
+  const Eigen::MatrixXd columns = byJoint(Eigen::all, linear);
   const Eigen::VectorXd by = shortestLeastSquares(columns, displacement);
-  for (std::size_t k = 0; k < linear.size(); ++k) motion.change[linear[k]] = by[static_cast<Eigen::Index>(k)];
+  motion.change(linear) = by;
   motion.everyDirection = rankOf(columns) == 3;
   motion.missed = (columns * by - displacement).norm();
   return motion;

@@ -6,7 +6,6 @@
 #include <kdl/chain.hpp>
 #include <kdl/tree.hpp>
 #include <kdl_parser/kdl_parser.hpp>
-#include <set>
 
 #include "base/error.h"
 #include "base/read_file.h"

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "base/format.h"
+#include "base/names_of.h"
+#include "base/text.h"
 #include "base/units.h"
 #include "machine/iso230_axes.h"
 
@@ -13,11 +15,7 @@ namespace {
 
 constexpr double kSameDirection = 1e-9, kSamePlace = 1e-9;  // 1, m
 
-std::string jointsOf(const Machine& machine) {
-  std::string text;
-  for (const Joint& j : machine.joints()) text += (text.empty() ? "" : ", ") + j.name;
-  return text;
-}
+std::string jointsOf(const Machine& machine) { return joined(allNames(machine.joints()), ", "); }
 
 std::string placeText(const Eigen::Vector3d& v) {
   return format("(%.6g, %.6g, %.6g) mm", v.x() / kMillimetre, v.y() / kMillimetre, v.z() / kMillimetre);

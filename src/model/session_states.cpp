@@ -5,6 +5,8 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/names_of.h"
+#include "base/text.h"
 #include "model/smoothed_series.h"
 
 namespace mm {
@@ -39,12 +41,6 @@ std::vector<double> valuesAt(const std::vector<Series>& courses, double time) {
   return values;
 }
 
-std::string names(const std::vector<Joint>& joints) {
-  std::string text;
-  for (const Joint& joint : joints) text += (text.empty() ? "" : ", ") + joint.name;
-  return text;
-}
-
 void checkJoints(const Session& session, const Domain& domain) {
   const std::vector<Joint>& own = session.machine.joints();
   const bool same =
@@ -52,8 +48,8 @@ void checkJoints(const Session& session, const Domain& domain) {
       std::equal(own.begin(), own.end(), domain.joints.begin(),
                  [](const Joint& a, const Joint& b) { return a.name == b.name && a.kind == b.kind; });
   if (!same)
-    throw InputError(session.source + ": the session's machine has the joints " + names(own) +
-                     ", the model's " + names(domain.joints) +
+    throw InputError(session.source + ": the session's machine has the joints " +
+                     joined(allNames(own), ", ") + ", the model's " + joined(allNames(domain.joints), ", ") +
                      "; use a session of the machine that was calibrated");
 }
 
@@ -103,6 +99,18 @@ void sinceReversals(const Session& session, std::size_t first, std::size_t end, 
   }
 }
 
+/// The session's temperatures in the order of the domain's sensors, those of one recording by its own time;
+/// empty series for those it does not have.
+std::vector<Series> temperaturesOf(const Session& session, const Domain& domain, int recording) {
+  std::vector<Series> ordered;
+  for (const std::string& sensor : domain.sensors) {
+    const Series* series = findSeries(session.temperatures, sensor);
+    ordered.push_back(series == nullptr ? Series{} : ofRecording(session, *series, recording));
+    ordered.back().name = sensor;
+  }
+  return ordered;
+}
+
 /// Courses of one recording.
 struct Courses {
   std::vector<Series> temperatures, covariates;
@@ -120,16 +128,6 @@ Courses coursesOf(const Session& session, const Domain& domain, int recording, b
 }
 
 }  // namespace
-
-std::vector<Series> temperaturesOf(const Session& session, const Domain& domain, int recording) {
-  std::vector<Series> ordered;
-  for (const std::string& sensor : domain.sensors) {
-    const Series* series = findSeries(session.temperatures, sensor);
-    ordered.push_back(series == nullptr ? Series{} : ofRecording(session, *series, recording));
-    ordered.back().name = sensor;
-  }
-  return ordered;
-}
 
 SessionStates::SessionStates(const Session& session, const Domain& domain, Temperatures temperatures) {
   checkJoints(session, domain);

@@ -42,8 +42,4 @@ class SessionStates {
   std::vector<Seen> seen_;  // an observation
 };
 
-/// The session's temperatures in the order of the domain's sensors, those of one recording by its own time;
-/// empty series for those it does not have.
-std::vector<Series> temperaturesOf(const Session& session, const Domain& domain, int recording = 0);
-
 }  // namespace mm

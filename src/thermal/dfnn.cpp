@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include "base/dense.h"
 #include "base/error.h"
@@ -33,9 +32,7 @@ DfnnRules spreadRules(const Eigen::MatrixXd& x, int count) {
 }
 
 DfnnRules grown(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, const DfnnSettings& settings) {
-  if (x.rows() <= kGrowthSamples) return growRules(x, y, settings, kGrowthRidge);
-  std::vector<int> chosen;
-  for (int i = 0; i < kGrowthSamples; ++i) chosen.push_back(static_cast<int>(i * x.rows() / kGrowthSamples));
+  const std::vector<int> chosen = evenlyChosen(x.rows(), kGrowthSamples);
   return growRules(rowsOf(x, chosen), rowsOf(y, chosen), settings, kGrowthRidge);
 }
 
@@ -122,10 +119,9 @@ class Dfnn : public ThermalNetwork {
   NetworkKind kind() const override { return NetworkKind::kDfnn; }
   int rules() const override { return rules_.count(); }
   void evaluate(const double* x, double* y) const override;
-  std::string describe() const override;
 
  protected:
-  void learn(int from) override;
+  void learn() override;
   void store(NetworkNumbers& numbers) override;
 
  private:
@@ -163,19 +159,15 @@ void Dfnn::standardise() {
   if (spread > 0.0) scaleY_ = spread;
 }
 
-void Dfnn::learn(int from) {
+void Dfnn::learn() {
   if (settings_.dfnn.largestRules > samples())
     throw InputError("dfnn: " + std::to_string(settings_.dfnn.largestRules) + " rules for " +
                      std::to_string(samples()) + " samples; measure more or allow fewer rules");
-  if (!settings_.dfnn.published) {
-    standardise();
-    choose();
-  } else if (from == 0) {
-    standardise();
+  standardise();
+  if (settings_.dfnn.published)
     rules_ = growRules(scaledInputs(), scaledOutputs(), settings_.dfnn, 0.0);
-  } else {
-    rules_ = growRules(scaledInputs(), scaledOutputs(), settings_.dfnn, 0.0, rules_, from);
-  }
+  else
+    choose();
   solve();
 }
 
@@ -255,17 +247,6 @@ void Dfnn::evaluate(const double* x, double* y) const {
   for (int j = 0; j < rules; ++j)
     for (int c = 0; c <= r; ++c)
       add(weights_.data() + (j * (r + 1) + c) * p, scaleY_ * psi[j] / sum * (c == 0 ? 1.0 : inside(c - 1)));
-}
-
-std::string Dfnn::describe() const {
-  std::ostringstream text;
-  text << "dfnn: " << rules() << (rules() == 1 ? " rule, " : " rules, ") << samples() << " samples";
-  if (settings_.dfnn.published)
-    text << ", least squares as published";
-  else
-    text << ", ridge " << ridge_ << ", on the departures of the rules " << departureRidge_
-         << ", held-out error " << heldOut_;
-  return text.str();
 }
 
 void Dfnn::store(NetworkNumbers& numbers) {

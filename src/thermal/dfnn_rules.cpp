@@ -175,30 +175,23 @@ void DfnnRules::keep(const std::vector<int>& rules) {
 }
 
 DfnnRules growRules(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, const DfnnSettings& settings,
-                    double ridge, const DfnnRules& start, int known) {
+                    double ridge) {
   const int most = settings.largestRules > 0 ? settings.largestRules : kMostRules;
   const int samples = static_cast<int>(x.rows());
-  DfnnRules rules = start;
-  const bool goingOn = rules.count() > 0;
-  int first = known;
-  if (!goingOn) {
-    rules.add(x.row(0), settings.firstWidth);
-    first = 1;
-  }
+  DfnnRules rules;
+  rules.add(x.row(0), settings.firstWidth);
   Consequents consequents(x, y, ridge);
-  consequents.rebuild(rules, first);
-  for (int i = first; i < samples; ++i) {
+  consequents.rebuild(rules, 1);
+  for (int i = 1; i < samples; ++i) {
     const Eigen::RowVectorXd row = rules.design(x.row(i));
     const double error = consequents.error(row, i);
     Eigen::Index nearest = 0;
     const double distance =
         std::sqrt((rules.centres.rowwise() - x.row(i)).rowwise().squaredNorm().minCoeff(&nearest));
     const double distanceLimit =
-        goingOn ? settings.distanceMin
-                : std::max(settings.distanceMax * std::pow(settings.distanceDecay, i), settings.distanceMin);
+        std::max(settings.distanceMax * std::pow(settings.distanceDecay, i), settings.distanceMin);
     const double errorLimit =
-        goingOn ? settings.errorMin
-                : std::max(settings.errorMax * std::pow(settings.errorDecay, i), settings.errorMin);
+        std::max(settings.errorMax * std::pow(settings.errorDecay, i), settings.errorMin);
     if (error <= errorLimit) {
       consequents.include(row);
     } else {
@@ -253,7 +246,7 @@ std::vector<Eigen::MatrixXd> RidgeConsequents::solve(const std::vector<double>& 
 }
 
 DfnnRules refineRules(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, const DfnnRules& start,
-                      double ridge, double departureRidge, int iterations) {
+                      double ridge, double departureRidge) {
   if (start.count() < 2) return start;
   Eigen::VectorXd p = packed(start);
   const auto at = [&](const Eigen::VectorXd& q) {
@@ -263,8 +256,9 @@ DfnnRules refineRules(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, const 
   constexpr double kUnseen = 1e-9, kZero = 1e-300;  // a width that no sample feels stays where it is
   constexpr double kLeastDamping = 1e-9;            // Gauss-Newton
   constexpr double kWorthwhile = 1e-4;  // of the squared error: a step that gains less is the last
+  constexpr int kIterations = 40;
   double damping = 1e-2;
-  for (int i = 0; i < iterations; ++i) {
+  for (int i = 0; i < kIterations; ++i) {
     Eigen::MatrixXd jacobian(r.size(), p.size());
     constexpr double kStep = 1e-5;
     for (Eigen::Index c = 0; c < p.size(); ++c) {

@@ -72,10 +72,8 @@ struct DfnnRules {
 /// their falling thresholds, a wider one where only the error is; prunes by error reduction ratio after each
 /// new rule. The consequents are refitted at every sample, with `ridge` (relative; 0: least squares).
 /// @param x samples x inputs, standardised; y samples x outputs, standardised.
-/// @param start rules to go on from; the first `known` samples then only count for the consequents, and the
-/// thresholds are at their final values.
 DfnnRules growRules(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, const DfnnSettings& settings,
-                    double ridge, const DfnnRules& start = {}, int known = 0);
+                    double ridge);
 
 /// Consequents of a fuzzy network with a ridge, in two steps: the ridge-linear fit, common to all rules, and
 /// the departure of each rule from it, fitted to what the line leaves. So the network goes over into
@@ -105,6 +103,6 @@ class RidgeConsequents {
 /// consequents being those of each step (variable projection; Levenberg-Marquardt). Widths stay within a
 /// factor of 10 of the start.
 DfnnRules refineRules(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, const DfnnRules& start,
-                      double ridge, double departureRidge, int iterations = 40);
+                      double ridge, double departureRidge);
 
 }  // namespace mm

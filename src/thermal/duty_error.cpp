@@ -94,23 +94,16 @@ DutyError::DutyError(const Eigen::MatrixXd& temperatures, const Eigen::VectorXd&
 }
 
 double DutyError::of(const std::vector<int>& sensors) const {
-  const auto m = static_cast<Eigen::Index>(sensors.size());
-  Eigen::MatrixXd matrix(m, m);
-  Eigen::VectorXd right(m);
-  for (Eigen::Index a = 0; a < m; ++a) {
-    right(a) = projections_(sensors[static_cast<std::size_t>(a)]);
-    for (Eigen::Index b = 0; b < m; ++b)
-      matrix(a, b) = products_(sensors[static_cast<std::size_t>(a)], sensors[static_cast<std::size_t>(b)]);
-  }
-  constexpr double kAlike = 1e-10;    // of sensors that read the same
-  matrix.diagonal() *= 1.0 + kAlike;  // of sensors that read the same
-  const Eigen::VectorXd slopes = solveSymmetric(matrix, right);
+  Eigen::MatrixXd matrix = products_(sensors, sensors);
+  constexpr double kAlike = 1e-10;  // of sensors that read the same
+  matrix.diagonal() *= 1.0 + kAlike;
+  const Eigen::VectorXd slopes = solveSymmetric(matrix, Eigen::VectorXd(projections_(sensors)));
   Eigen::VectorXd left = displacement_;
   double passedOn = 0.0;
-  for (Eigen::Index a = 0; a < m; ++a) {
-    const int s = sensors[static_cast<std::size_t>(a)];
-    left -= slopes(a) * loadings_.col(s);
-    passedOn += slopes(a) * slopes(a) * noise_(s);
+  for (std::size_t a = 0; a < sensors.size(); ++a) {
+    const double slope = slopes(static_cast<Eigen::Index>(a));
+    left -= slope * loadings_.col(sensors[a]);
+    passedOn += slope * slope * noise_(sensors[a]);
   }
   return std::sqrt(left.dot(duties_ * left) + passedOn);
 }

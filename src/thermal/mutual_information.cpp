@@ -197,8 +197,7 @@ double SensorInformation::histogram(const std::vector<int>& sensors) const {
 
 double SensorInformation::gaussian(const std::vector<int>& sensors) const {
   const auto m = static_cast<Eigen::Index>(sensors.size());
-  Eigen::MatrixXd t(temperatures_.rows(), m);
-  for (Eigen::Index s = 0; s < m; ++s) t.col(s) = temperatures_.col(sensors[static_cast<std::size_t>(s)]);
+  const Eigen::MatrixXd t = temperatures_(Eigen::all, sensors);
   const double n = static_cast<double>(temperatures_.rows());
   const Eigen::VectorXd covariance = t.transpose() * displacement_ / n;
   constexpr double kAlike = 1e-12;      // of a variance of one: sensors that read the same

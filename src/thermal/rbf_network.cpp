@@ -1,6 +1,5 @@
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include "base/dense.h"
 #include "thermal/ridge.h"
@@ -32,10 +31,9 @@ class RbfNetwork : public ThermalNetwork {
   NetworkKind kind() const override { return NetworkKind::kRbf; }
   int rules() const override { return static_cast<int>(centres_.rows()); }
   void evaluate(const double* x, double* y) const override;
-  std::string describe() const override;
 
  protected:
-  void learn(int from) override;
+  void learn() override;
   void store(NetworkNumbers& numbers) override {
     numbers(spread_);
     numbers(mean_, 1, inputs());
@@ -55,14 +53,13 @@ class RbfNetwork : public ThermalNetwork {
   Eigen::RowVectorXd offset_;
 };
 
-void RbfNetwork::learn(int /*from*/) {
+void RbfNetwork::learn() {
   const Eigen::Index n = x_.rows();
   mean_ = x_.colwise().mean();
   scale_ = ((x_.rowwise() - mean_).colwise().squaredNorm() / static_cast<double>(n)).cwiseSqrt();
   for (Eigen::Index i = 0; i < scale_.size(); ++i) scale_(i) = scale_(i) > 0.0 ? 1.0 / scale_(i) : 0.0;
-  std::vector<int> chosen;
-  const int count = std::min<int>(kMostCentres, static_cast<int>(n));
-  for (int i = 0; i < count; ++i) chosen.push_back(static_cast<int>(static_cast<long>(i) * n / count));
+  const std::vector<int> chosen = evenlyChosen(n, kMostCentres);
+  const int count = static_cast<int>(chosen.size());
   centres_ = rowsOf((x_.rowwise() - mean_) * scale_.asDiagonal(), chosen);
   const Eigen::MatrixXd y = rowsOf(y_, chosen);
 
@@ -95,14 +92,6 @@ void RbfNetwork::evaluate(const double* x, double* y) const {
     const double strength = std::exp(-square * kHalf / (spread_ * spread_));
     for (int o = 0; o < p; ++o) y[o] += strength * weights_(c, o);
   }
-}
-
-std::string RbfNetwork::describe() const {
-  std::ostringstream text;
-  text << "rbf: " << rules() << " centres";
-  if (rules() < samples()) text << ", evenly of " << samples() << " samples";
-  text << ", spread " << spread_ << " standard deviations";
-  return text.str();
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 #include "thermal/ridge.h"
 
+#include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <string>
 
 #include "base/dense.h"
@@ -10,6 +10,20 @@
 
 namespace mm {
 namespace {
+
+/// Linear model y = offset + slopes^T x, its slopes held back by a ridge: minimises
+/// |Y - model|^2 + lambda * n * |slopes of the standardised inputs|^2. The offset is not penalised. An input
+/// that does not vary gets slope 0.
+struct RidgeModel {
+  Eigen::VectorXd offset;  // outputs
+  Eigen::MatrixXd slopes;  // inputs x outputs, unit of the output per unit of the input
+  double lambda = 0.0;
+
+  /// @param x a sample a row, in the unit of the samples that were learned.
+  Eigen::MatrixXd evaluate(const Eigen::MatrixXd& x) const {
+    return (x * slopes).rowwise() + offset.transpose();
+  }
+};
 
 /// The decomposition that all penalties share.
 struct Decomposition {
@@ -60,19 +74,12 @@ class RidgeNetwork : public ThermalNetwork {
       for (int i = 0; i < inputs(); ++i) y[o] += model_.slopes(i, o) * x[i];
     }
   }
-  std::string describe() const override {
-    std::ostringstream text;
-    text << "ridge: linear, " << samples() << " samples, ridge " << model_.lambda << ", held-out error "
-         << heldOut_;
-    return text.str();
-  }
 
  protected:
-  void learn(int /*from*/) override {
-    const RidgeValidation validation =
-        validateRidge(x_, y_, blockedFolds(samples(), blocks()), ridgeLadder());
+  void learn() override {
+    const RidgeValidation validation = validateRidge(x_, y_, blockedFolds(samples(), blocks()));
     heldOut_ = validation.rms;
-    model_ = fitRidge(x_, y_, validation.lambda);
+    model_ = Decomposition(x_, y_).model(validation.lambda);
   }
   void store(NetworkNumbers& numbers) override {
     numbers(model_.lambda);
@@ -117,42 +124,34 @@ std::vector<Fold> blockedFolds(int samples, int blocks, int gap) {
 }
 
 Eigen::MatrixXd rowsOf(const Eigen::MatrixXd& matrix, const std::vector<int>& rows) {
-  Eigen::MatrixXd result(static_cast<Eigen::Index>(rows.size()), matrix.cols());
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    result.row(static_cast<Eigen::Index>(i)) = matrix.row(rows[i]);
-  return result;
+  return matrix(rows, Eigen::all);
 }
 
-RidgeModel fitRidge(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, double lambda) {
-  return Decomposition(x, y).model(lambda);
+std::vector<int> evenlyChosen(Eigen::Index samples, Eigen::Index most) {
+  std::vector<int> chosen;
+  const Eigen::Index count = std::min(samples, most);
+  for (Eigen::Index i = 0; i < count; ++i) chosen.push_back(static_cast<int>(i * samples / count));
+  return chosen;
 }
 
 RidgeValidation validateRidge(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y,
-                              const std::vector<Fold>& folds, const std::vector<double>& lambdas) {
+                              const std::vector<Fold>& folds) {
+  std::vector<double> lambdas;
+  for (double exponent = -8.0; exponent <= 0.0; exponent += 0.5) lambdas.push_back(std::pow(10.0, exponent));
   const std::size_t count = lambdas.size();
   std::vector<double> sum(count, 0.0);
-  std::vector<std::vector<double>> foldRms(count);
   double held = 0.0;
   for (const Fold& fold : folds) {
     const Decomposition decomposition(rowsOf(x, fold.train), rowsOf(y, fold.train));
     const Eigen::MatrixXd testX = rowsOf(x, fold.test), testY = rowsOf(y, fold.test);
     held += static_cast<double>(testY.size());
-    for (std::size_t l = 0; l < count; ++l) {
-      const double squares = (testY - decomposition.model(lambdas[l]).evaluate(testX)).squaredNorm();
-      sum[l] += squares;
-      foldRms[l].push_back(std::sqrt(squares / static_cast<double>(testY.size())));
-    }
+    for (std::size_t l = 0; l < count; ++l)
+      sum[l] += (testY - decomposition.model(lambdas[l]).evaluate(testX)).squaredNorm();
   }
   std::size_t best = 0;
   for (std::size_t l = 1; l < count; ++l)
     if (sum[l] < sum[best]) best = l;
-  return {lambdas[best], std::sqrt(sum[best] / held), foldRms[best]};
-}
-
-std::vector<double> ridgeLadder() {
-  std::vector<double> ladder;
-  for (double exponent = -8.0; exponent <= 0.0; exponent += 0.5) ladder.push_back(std::pow(10.0, exponent));
-  return ladder;
+  return {lambdas[best], std::sqrt(sum[best] / held)};
 }
 
 }  // namespace mm

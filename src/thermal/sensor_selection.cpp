@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "thermal/duty_error.h"
 #include "thermal/ridge.h"
 
 namespace mm {
@@ -19,7 +20,9 @@ Eigen::VectorXd scaled(const Eigen::VectorXd& v) {
   return (v.array() - v.minCoeff()) / (v.maxCoeff() - v.minCoeff());
 }
 
-constexpr double kNoError = 1e-300;  // has a logarithm
+constexpr double kNoError = 1e-300;       // has a logarithm
+constexpr int kInformationSamples = 500;  // longer series are thinned evenly to so many for the information
+constexpr int kShortlist = 500;           // sets of each size that are proposed to the cross-validation
 
 double binomial(int n, int k) {
   double count = 1.0;
@@ -64,7 +67,7 @@ class Selector {
            const SelectionProgress& progress)
       : settings_(settings),
         progress_(progress),
-        temperatures_(columns(temperatures, varying)),
+        temperatures_(temperatures(Eigen::all, varying)),
         displacement_(displacement),
         information_(thinned(temperatures_), thinned(displacement), settings.information),
         gaussian_(temperatures_, displacement, gaussianSettings()),
@@ -115,18 +118,8 @@ class Selector {
   }
 
  private:
-  static Eigen::MatrixXd columns(const Eigen::MatrixXd& matrix, const std::vector<int>& chosen) {
-    Eigen::MatrixXd result(matrix.rows(), static_cast<Eigen::Index>(chosen.size()));
-    for (std::size_t i = 0; i < chosen.size(); ++i)
-      result.col(static_cast<Eigen::Index>(i)) = matrix.col(chosen[i]);
-    return result;
-  }
-
   Eigen::MatrixXd thinned(const Eigen::MatrixXd& all) const {
-    const Eigen::Index keep = std::min<Eigen::Index>(all.rows(), std::max(10, settings_.informationSamples));
-    Eigen::MatrixXd result(keep, all.cols());
-    for (Eigen::Index i = 0; i < keep; ++i) result.row(i) = all.row(i * all.rows() / keep);
-    return result;
+    return rowsOf(all, evenlyChosen(all.rows(), kInformationSamples));
   }
 
   InformationSettings gaussianSettings() const {
@@ -142,7 +135,7 @@ class Selector {
   }
 
   double heldOutRms(const Subset& subset) const {
-    return validateRidge(columns(temperatures_, subset), displacement_, folds_, ridgeLadder()).rms;
+    return validateRidge(temperatures_(Eigen::all, subset), displacement_, folds_).rms;
   }
 
   void report(double fraction) const {
@@ -171,8 +164,7 @@ class Selector {
         [&](double fraction) { report(0.8 * fraction); });
     std::vector<std::size_t> order(subsets.size());
     std::iota(order.begin(), order.end(), 0u);
-    const std::size_t keep =
-        std::min(order.size(), static_cast<std::size_t>(std::max(1, settings_.shortlist)));
+    const std::size_t keep = std::min(order.size(), static_cast<std::size_t>(kShortlist));
     std::partial_sort(
         order.begin(), order.begin() + static_cast<long>(keep), order.end(),
         [&](std::size_t a, std::size_t b) { return score[a] != score[b] ? score[a] > score[b] : a < b; });
@@ -191,9 +183,8 @@ class Selector {
       ++evaluations;
       return proposal(subset);
     };
-    std::vector<Subset> best =
-        settings_.search(information_.sensors(), size, std::max(1, settings_.shortlist), settings_.seed,
-                         score, [&](double f) { report(0.8 * f); });
+    std::vector<Subset> best = settings_.search(information_.sensors(), size, kShortlist, settings_.seed,
+                                                score, [&](double f) { report(0.8 * f); });
     if (best.empty())
       throw NumericalError("sensor selection: the search found no set of " + std::to_string(size));
     tried_ += evaluations;

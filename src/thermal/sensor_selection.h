@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "thermal/duty_error.h"
 #include "thermal/mutual_information.h"
 
 namespace mm {
@@ -32,8 +31,6 @@ struct SelectionSettings {
   int largestSize = 3;            // sets of 1 to so many sensors
   double enumerationLimit = 1e5;  // all subsets are tried where they are at most so many
   SetSearch search;               // beyond it; needed only then
-  int informationSamples = 500;   // longer series are thinned evenly to so many for the information
-  int shortlist = 500;            // sets of each size that are proposed to the cross-validation
   int blocks = 10;                // of time, each held out once
   int gap = 0;                    // samples beside a block that are not used
   double equivalent = 0.999;      // series that correlate at least so much may stand for each other

@@ -1,7 +1,6 @@
 #include "thermal/thermal_network.h"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 
 #include "base/error.h"
@@ -51,7 +50,7 @@ void ThermalNetwork::fit(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y) {
                      " samples are too few to learn from; at least 3 are needed");
   x_ = x;
   y_ = y;
-  learn(0);
+  learn();
 }
 
 void ThermalNetwork::update(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y) {
@@ -67,7 +66,7 @@ void ThermalNetwork::update(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y) 
   y_.conservativeResize(from + y.rows(), Eigen::NoChange);
   x_.bottomRows(x.rows()) = x;
   y_.bottomRows(y.rows()) = y;
-  learn(from);
+  learn();
 }
 
 int ThermalNetwork::unknowns() const {

@@ -44,23 +44,22 @@ class ThermalNetwork {
   /// before. Throws InputError for shapes that do not fit, values that are not finite, or fewer than 3
   /// samples.
   void fit(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y);
-  /// Adds a new set of measurements: the samples of fit() stay, so nothing is forgotten. Needs fit() first.
+  /// Learns again from a new set beside the samples of fit(), so that nothing is forgotten. Needs fit()
+  /// first.
   void update(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y);
 
   /// Writes outputs() values for inputs() temperatures. Allocates nothing.
   virtual void evaluate(const double* x, double* y) const = 0;
   Eigen::MatrixXd evaluateAll(const Eigen::MatrixXd& x) const;
 
-  /// One line: what was learned, and with which settings.
-  virtual std::string describe() const = 0;
   /// Everything that makes the network, its samples included; networkFromNumbers() gives the same network to
   /// the bit.
   std::vector<double> toNumbers() const;
 
  protected:
   explicit ThermalNetwork(NetworkSettings settings) : settings_(settings) {}
-  /// Learns from x_ and y_. `from` is 0 for a fit, else the number of samples learned before.
-  virtual void learn(int from) = 0;
+  /// Learns from x_ and y_.
+  virtual void learn() = 0;
   /// What it consists of beside the samples, in the order in which it is stored.
   virtual void store(NetworkNumbers& numbers) = 0;
   friend std::unique_ptr<ThermalNetwork> networkFromNumbers(const std::vector<double>& numbers);

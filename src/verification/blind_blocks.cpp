@@ -3,7 +3,6 @@
 #include <cmath>
 #include <map>
 #include <memory>
-#include <set>
 
 #include "base/error.h"
 #include "base/format.h"
@@ -120,9 +119,8 @@ void judgeAxes(const FreshPoints& points, TrialBlockFigures& found) {
   std::vector<int> used;
   for (int c = 0; c <= count; ++c)
     if (sizes[c] > kNothing * largest) used.push_back(c);
-  Eigen::MatrixXd unit(points.length(), static_cast<Eigen::Index>(used.size()));
-  for (std::size_t k = 0; k < used.size(); ++k)
-    unit.col(static_cast<Eigen::Index>(k)) = columns.col(used[k]) / sizes[used[k]];
+  Eigen::MatrixXd unit = columns(Eigen::all, used);
+  for (Eigen::Index k = 0; k < unit.cols(); ++k) unit.col(k) /= unit.col(k).norm();
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(unit);
   solver.setThreshold(kNotApart);
   if (solver.rank() < unit.cols()) return;

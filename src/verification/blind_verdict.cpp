@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+#include <limits>
 
 #include "base/format.h"
 #include "base/nearest_name.h"
@@ -259,23 +260,9 @@ std::string sentenceOf(OpenedTrial& t, const Evidence& e, const LabelledTrial& t
 }  // namespace
 
 std::string nameOf(TrialVerdict verdict) {
-  switch (verdict) {
-    case TrialVerdict::kHelped:
-      return "helped";
-    case TrialVerdict::kHelpedInPart:
-      return "helped_in_part";
-    case TrialVerdict::kOvercorrected:
-      return "overcorrected";
-    case TrialVerdict::kDidNothing:
-      return "did_nothing";
-    case TrialVerdict::kWrongSign:
-      return "wrong_sign";
-    case TrialVerdict::kWorse:
-      return "worse";
-    case TrialVerdict::kCannotTell:
-      break;
-  }
-  return "cannot_tell";
+  static constexpr const char* kNames[] = {"helped",     "helped_in_part", "overcorrected", "did_nothing",
+                                           "wrong_sign", "worse",          "cannot_tell"};
+  return kNames[static_cast<std::size_t>(verdict)];
 }
 
 LabelledTrial compareStates(const std::vector<TrialBlockFigures>& blocks) {

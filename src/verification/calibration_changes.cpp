@@ -7,7 +7,6 @@
 #include "base/error.h"
 #include "base/format.h"
 #include "base/quantity_words.h"
-#include "base/random.h"
 #include "base/text.h"
 #include "base/units.h"
 #include "effects/effect_words.h"
@@ -106,10 +105,7 @@ CalibrationChanges changesBetween(const Calibration& before, const Calibration& 
     if (sameIn(after, effect) == nullptr) changes.onlyBefore.push_back(effect);
   for (const EffectSpec& effect : after.effects)
     if (sameIn(before, effect) == nullptr) changes.onlyAfter.push_back(effect);
-  const TipChange tip = tipChange(before, after);
-  changes.rms = tip.rms;
-  changes.largest = tip.largest;
-  changes.byChance = tip.byChance;
+  static_cast<TipChange&>(changes) = tipChange(before, after);
   changes.inWords = sentenceOf(changes);
   return changes;
 }

@@ -38,8 +38,15 @@ struct ParameterChange {
   bool comparable = true;
 };
 
+/// How far two calibrations differ in what they say of the tip: over the volume that both hold for, less a
+/// displacement and a rotation of everything.
+struct TipChange {
+  double rms = 0.0, largest = 0.0;  // m
+  double byChance = 0.0;            // m: RMS that the uncertainties of both alone would make
+};
+
 /// What differs between two calibrations of one machine.
-struct CalibrationChanges {
+struct CalibrationChanges : TipChange {
   std::string before, after;  // ids or files
   std::string beforeTime, afterTime;
   /// Both were fitted to the same measurements: their estimates have the same noise in them, the standard
@@ -47,9 +54,6 @@ struct CalibrationChanges {
   bool sameSession = false;
   std::vector<ParameterChange> parameters;  // most significant first
   std::vector<EffectSpec> onlyBefore, onlyAfter;
-  /// At the tip, over the volume that both hold for: RMS and largest change of the corrected position less a
-  /// displacement and rotation of everything, m; and its RMS by the uncertainty of both alone.
-  double rms = 0.0, largest = 0.0, byChance = 0.0;
   std::string inWords;
 };
 
@@ -58,11 +62,6 @@ struct CalibrationChanges {
 /// both ranges; to a thousandth of the error.
 bool meansTheSame(const EffectSpec& effect, const Calibration& a, const Calibration& b);
 
-/// How far two calibrations differ in what they say of the tip.
-struct TipChange {
-  double rms = 0.0, largest = 0.0;  // m, less a displacement and a rotation of the whole workpiece
-  double byChance = 0.0;            // m: RMS that the uncertainties of both alone would make
-};
 /// Over a grid of the volume that both calibrations hold for, both directions of travel; everything else in
 /// the middle of the range of `a`. Zero where the ranges have nothing in common.
 TipChange tipChange(const Calibration& a, const Calibration& b);

@@ -34,6 +34,22 @@ Eigen::VectorXd slotsOf(const Effect& effect, const std::vector<double>& p, cons
   return slots;
 }
 
+/// What effects do to each data row: rows x effects.
+Eigen::MatrixXd columnsOf(const Problem& problem, const Eigen::MatrixXd& bySlot,
+                          const std::vector<EffectPtr>& effects,
+                          const std::vector<std::vector<double>>& values) {
+  Eigen::MatrixXd columns =
+      Eigen::MatrixXd::Zero(problem.rowCount(), static_cast<Eigen::Index>(effects.size()));
+  for (std::size_t e = 0; e < effects.size(); ++e)
+    for (int o = 0; o < static_cast<int>(problem.session().observations.size()); ++o) {
+      const Eigen::VectorXd slots =
+          slotsOf(*effects[e], values[e], problem.state(o), static_cast<int>(bySlot.cols()));
+      for (int row = problem.firstRow(o); row < problem.firstRow(o + 1); ++row)
+        columns(row, static_cast<Eigen::Index>(e)) = bySlot.row(row).dot(slots);
+    }
+  return columns;
+}
+
 std::vector<double> calibratedValues(const Calibration& calibration, int effect) {
   std::vector<double> values;
   for (const Calibration::Value& v : calibration.values)
@@ -63,13 +79,15 @@ double beamOf(const Model& model, const State& state) {
   return model.domain().laser ? state.laserReading : kNotMeasured;
 }
 
-}  // namespace
-
+/// Whether an effect is the machine's: what a controller can correct. Those of the probe and the artifact,
+/// and what depends on how a contact is made (approach, speed, beam, ball), are not.
 bool isOfTheMachine(const Effect& effect, const Domain& domain) {
   if (effect.nature().stage == Stage::kProbe || effect.nature().stage == Stage::kArtifact) return false;
   const Inputs inputs = inputsOf(effect, domain);
   return !inputs.approach && !inputs.reading && !inputs.feature && inputs.velocities.empty();
 }
+
+}  // namespace
 
 FreshPoints::FreshPoints(const Session& session, const Calibration& calibration,
                          const CalibrateOptions& options, int factor, const Eigen::VectorXd& weights,
@@ -144,28 +162,14 @@ Eigen::MatrixXd FreshPoints::entered(const Eigen::MatrixXd& columns) const {
 void FreshPoints::fillColumns(const Calibration& calibration) {
   const Linearisation& at = space_->linearisation();
   const Problem& problem = at.problem();
-  const Machine& machine = problem.model().machine();
-  const ErrorLayout layout = machine.layout();
   const int observations = static_cast<int>(problem.session().observations.size());
-  const int effects = static_cast<int>(machineEffects_.size()), joints = machine.jointCount();
-  std::vector<std::vector<double>> values;
+  std::vector<std::vector<double>> values, measuringValues;
   for (const int e : indices_) values.push_back(calibratedValues(calibration, e));
+  for (const int e : measuringIndices_) measuringValues.push_back(calibratedValues(calibration, e));
 
-  Eigen::MatrixXd byEffect = Eigen::MatrixXd::Zero(problem.rowCount(), effects);
-  Eigen::MatrixXd change = Eigen::MatrixXd::Zero(observations, joints);
-  for (int o = 0; o < observations; ++o) {
-    Eigen::VectorXd all = Eigen::VectorXd::Zero(layout.size());
-    for (int e = 0; e < effects; ++e) {
-      const Eigen::VectorXd slots =
-          slotsOf(*machineEffects_[static_cast<std::size_t>(e)], values[static_cast<std::size_t>(e)],
-                  problem.state(o), layout.size());
-      for (int row = problem.firstRow(o); row < problem.firstRow(o + 1); ++row)
-        byEffect(row, e) = at.slotGradients().row(row).dot(slots);
-      all += slots;
-    }
-    change.row(o) = takenAway(problem.state(o), all);
-  }
-  byEffect_ = entered(byEffect);
+  byEffect_ = entered(columnsOf(problem, at.slotGradients(), machineEffects_, values));
+  Eigen::MatrixXd change = Eigen::MatrixXd::Zero(observations, problem.model().machine().jointCount());
+  for (int o = 0; o < observations; ++o) change.row(o) = takenAway(problem.state(o), values);
   fillAxes(change);
   fillMisplaced(values);
 
@@ -180,20 +184,18 @@ void FreshPoints::fillColumns(const Calibration& calibration) {
 
   Eigen::MatrixXd measuring = Eigen::MatrixXd::Zero(problem.rowCount(), 1);
   if (!problem.model().domain().laser)  // where a beam points is no correction that could be left out
-    for (std::size_t e = 0; e < measuringEffects_.size(); ++e)
-      for (int o = 0; o < observations; ++o) {
-        const Eigen::VectorXd slots =
-            slotsOf(*measuringEffects_[e], calibratedValues(calibration, measuringIndices_[e]),
-                    problem.state(o), layout.size());
-        for (int row = problem.firstRow(o); row < problem.firstRow(o + 1); ++row)
-          measuring(row, 0) += at.slotGradients().row(row).dot(slots);
-      }
+    measuring = columnsOf(problem, at.slotGradients(), measuringEffects_, measuringValues).rowwise().sum();
   measuring_ = entered(measuring).col(0);
 }
 
-Eigen::VectorXd FreshPoints::takenAway(const State& state, Eigen::VectorXd slots) const {
+Eigen::VectorXd FreshPoints::takenAway(const State& state,
+                                       const std::vector<std::vector<double>>& values) const {
   if (tables_) return -tables_(state);
   const Model& model = space_->linearisation().problem().model();
+  const int size = model.machine().layout().size();
+  Eigen::VectorXd slots = Eigen::VectorXd::Zero(size);
+  for (std::size_t e = 0; e < machineEffects_.size(); ++e)
+    slots += slotsOf(*machineEffects_[e], values[e], state, size);
   return perJoint(model.machine(), state, beamOf(model, state), std::move(slots));
 }
 
@@ -267,10 +269,7 @@ void FreshPoints::fillMisplaced(const std::vector<std::vector<double>>& values) 
         std::swap(state.travel[f], state.travel[s]);
         std::swap(state.velocity[f], state.velocity[s]);
         model.place(state);
-        Eigen::VectorXd slots = Eigen::VectorXd::Zero(layout.size());
-        for (std::size_t e = 0; e < machineEffects_.size(); ++e)
-          slots += slotsOf(*machineEffects_[e], values[e], state, layout.size());
-        const Eigen::VectorXd change = takenAway(state, std::move(slots));
+        const Eigen::VectorXd change = takenAway(state, values);
         for (int row = problem.firstRow(o); row < problem.firstRow(o + 1); ++row) {
           columns(row, 0) = at.slotGradients()(row, layout.axis(first)) * change[second];
           columns(row, 1) = at.slotGradients()(row, layout.axis(second)) * change[first];

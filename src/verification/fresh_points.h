@@ -76,8 +76,9 @@ class FreshPoints {
   /// Columns of the data rows as they enter: whitened, with nothing where the session's unknowns take them.
   Eigen::MatrixXd entered(const Eigen::MatrixXd& columns) const;
   void fillAxes(const Eigen::MatrixXd& change);
-  /// The error of each joint that the correction takes away at a state. @param slots what the effects say.
-  Eigen::VectorXd takenAway(const State& state, Eigen::VectorXd slots) const;
+  /// The error of each joint that the correction takes away at a state. @param values of the machine's
+  /// effects.
+  Eigen::VectorXd takenAway(const State& state, const std::vector<std::vector<double>>& values) const;
   void fillMisplaced(const std::vector<std::vector<double>>& values);
   void fillShapes();
 
@@ -95,9 +96,5 @@ class FreshPoints {
   Eigen::MatrixXd byEffect_, crossed_, byParameter_, shapes_;
   std::vector<MisplacedTable> misplaced_;
 };
-
-/// Whether an effect is the machine's: what a controller can correct. Those of the probe and the artifact,
-/// and what depends on how a contact is made (approach, speed, beam, ball), are not.
-bool isOfTheMachine(const Effect& effect, const Domain& domain);
 
 }  // namespace mm

@@ -70,10 +70,10 @@ class Maker {
 }  // namespace
 
 const StateFacts& factsOf(AxisState state) {
-  static constexpr StateFacts kFacts[] = {{0.0, "corrected", "are loaded"},
-                                          {1.0, "not_corrected", "are not"},
-                                          {2.0, "wrong_sign", "have the wrong sign"},
-                                          {-1.0, "corrected_twice", "are loaded twice"}};
+  static constexpr StateFacts kFacts[] = {{0.0, "corrected", "corrected", "are loaded"},
+                                          {1.0, "not_corrected", "not corrected", "are not"},
+                                          {2.0, "wrong_sign", "wrong sign", "have the wrong sign"},
+                                          {-1.0, "corrected_twice", "corrected twice", "are loaded twice"}};
   return kFacts[static_cast<std::size_t>(state)];
 }
 

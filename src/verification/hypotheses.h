@@ -1,7 +1,6 @@
 #pragma once
 #include <Eigen/Core>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "verification/fresh_points.h"
@@ -44,6 +43,7 @@ std::vector<LoadedHow> hypothesesOf(const FreshPoints& points, bool loaded, cons
 struct StateFacts {
   double remaining;     // share of the machine's error: 0, 1, 2 or -1
   const char* finding;  // see Verification::finding
+  const char* words;    // what became of an error: "not corrected"
   const char* loaded;   // of tables or of external offsets: "are loaded"
 };
 /// By the order of AxisState.

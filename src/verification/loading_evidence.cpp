@@ -6,6 +6,7 @@
 #include <numeric>
 #include <optional>
 
+#include "base/covariance_root.h"
 #include "base/dense.h"
 #include "estimation/noise_rows.h"
 #include "estimation/thin_qr.h"
@@ -45,19 +46,6 @@ std::vector<std::size_t> orderOf(const std::vector<double>& scores) {
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return scores[a] > scores[b]; });
   return order;
-}
-
-/// Root of a covariance, also of a singular one.
-Eigen::MatrixXd rootOf(const Eigen::MatrixXd& covariance) {
-  // Parameters differ by many powers of ten: the root is taken of correlations.
-  const Eigen::VectorXd std = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-  Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(std.size(), std.size());
-  for (Eigen::Index i = 0; i < std.size(); ++i)
-    for (Eigen::Index j = 0; j < std.size(); ++j)
-      if (i != j)
-        correlation(i, j) = std[i] > 0.0 && std[j] > 0.0 ? covariance(i, j) / (std[i] * std[j]) : 0.0;
-  const SymmetricEigen eigen(correlation);
-  return std.asDiagonal() * eigen.vectors * eigen.values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
 /// Size of a parameter that conditions the columns, SI.
@@ -149,7 +137,7 @@ Eigen::MatrixXd LoadingEvidence::misses(const std::vector<LoadedHow>& all) const
 }
 
 Eigen::MatrixXd LoadingEvidence::scattering(const Eigen::MatrixXd& covariance) const {
-  return byParameter_ * rootOf(covariance);
+  return byParameter_ * rootOfCovariance(covariance);
 }
 
 Eigen::MatrixXd LoadingEvidence::unitShapes() const {
@@ -311,42 +299,35 @@ void fillShares(const FreshPoints& points, const PointSystem& system, const Cali
   const bool restIsThere = !loaded || points.tabled();  // no table has it
   const Eigen::VectorXd raw = points.raw() - (restIsThere ? 1.0 : 0.0) * points.rest();
   const Eigen::VectorXd y = projection.left(system.whiten(raw));
-  const auto remaining = [&](double share) { return loaded ? share : 1.0 - share; };
+  const auto fill = [&](auto& to, double size, const Shares& of, Eigen::Index k) {
+    to.size = size;
+    to.remaining = loaded ? of.value[k] : 1.0 - of.value[k];
+    to.std = of.std[k];
+    to.inWords = inWords(to);
+  };
   const Eigen::VectorXd ownSizes = rmsOf(points, own), effectSizes = rmsOf(points, points.byEffect());
   const Shares axes = sharesOf(projection.left(system.whiten(own)), y);
   for (int a = 0; a < count; ++a) {
-    RemainingOfAxis axis;
+    RemainingOfAxis& axis = found.axes.emplace_back();
     axis.axis = points.axes()[static_cast<std::size_t>(a)];
-    axis.size = ownSizes[a];
-    axis.remaining = remaining(axes.value[a]);
-    axis.std = axes.std[a];
-    axis.inWords = inWords(axis);
-    found.axes.push_back(axis);
+    fill(axis, ownSizes[a], axes, a);
   }
-  if (points.hasOffsets()) {
-    RemainingShare offsets;
-    offsets.size = ownSizes[count];
-    offsets.remaining = remaining(axes.value[count]);
-    offsets.std = axes.std[count];
-    offsets.inWords = inWords(offsets);
-    found.offsets = offsets;
-  }
-  const Eigen::VectorXd all = projection.left(system.whiten(points.raw()));
+  if (points.hasOffsets()) fill(found.offsets.emplace(), ownSizes[count], axes, count);
   const Eigen::MatrixXd columns = projection.left(system.whiten(points.byEffect()));
-  const Shares effects = sharesOf(columns, all);
   const Eigen::VectorXd notCarried =
       points.tabled() ? sharesOf(columns, projection.left(system.whiten(points.rest()))).value
                       : Eigen::VectorXd::Zero(columns.cols());
+  // Without tables of an export nothing is carried apart: the effects have what no axis shows, too.
+  const Eigen::VectorXd carried = (1.0 - notCarried.array()).cwiseMax(0.0);
+  const Shares effects =
+      sharesOf(columns * carried.asDiagonal(),
+               points.tabled() ? y : Eigen::VectorXd(projection.left(system.whiten(points.raw()))));
   for (std::size_t e = 0; e < points.effects().size(); ++e) {
     const auto k = static_cast<Eigen::Index>(e);
-    RemainingOfEffect effect;
+    RemainingOfEffect& effect = found.effects.emplace_back();
     effect.effect = calibration.effects[static_cast<std::size_t>(points.indices()[e])];
-    effect.size = effectSizes[k];
-    effect.remaining = remaining(effects.value[k]);
-    effect.std = effects.std[k];
     effect.notCarried = notCarried[k];
-    effect.inWords = inWords(effect);
-    found.effects.push_back(effect);
+    fill(effect, effectSizes[k], effects, k);
   }
   // What the offsets leave is no other axis's correction.
   const Shares crossed = sharesOf(

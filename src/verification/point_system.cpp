@@ -19,20 +19,7 @@ constexpr double kDriftPrice = 3.0;    // as a calibration's: log evidence that 
 constexpr double kKnown = 2.0;  // log evidence by which another memory must be better than the known one
 constexpr int kMostRows = 1500;
 
-}  // namespace
-
-Eigen::MatrixXd beside(const std::vector<Eigen::MatrixXd>& parts) {
-  Eigen::Index columns = 0;
-  for (const Eigen::MatrixXd& part : parts) columns += part.cols();
-  Eigen::MatrixXd all(parts.front().rows(), columns);
-  columns = 0;
-  for (const Eigen::MatrixXd& part : parts) {
-    all.middleCols(columns, part.cols()) = part;
-    columns += part.cols();
-  }
-  return all;
-}
-
+/// Orthonormal columns of what orthonormal ones and others span; of dependent columns the first.
 Eigen::MatrixXd spanWith(const Eigen::MatrixXd& basis, const Eigen::MatrixXd& more) {
   constexpr double kNew = 1e-7;  // of a column's own length
   Eigen::MatrixXd all(basis.rows(), std::min(basis.rows(), basis.cols() + more.cols()));
@@ -46,6 +33,20 @@ Eigen::MatrixXd spanWith(const Eigen::MatrixXd& basis, const Eigen::MatrixXd& mo
     if (column.norm() > kNew * norm) all.col(count++) = column.normalized();
   }
   return all.leftCols(count);
+}
+
+}  // namespace
+
+Eigen::MatrixXd beside(const std::vector<Eigen::MatrixXd>& parts) {
+  Eigen::Index columns = 0;
+  for (const Eigen::MatrixXd& part : parts) columns += part.cols();
+  Eigen::MatrixXd all(parts.front().rows(), columns);
+  columns = 0;
+  for (const Eigen::MatrixXd& part : parts) {
+    all.middleCols(columns, part.cols()) = part;
+    columns += part.cols();
+  }
+  return all;
 }
 
 std::vector<DriftTerm> PointSystem::knownDrift(const Calibration& calibration) const {

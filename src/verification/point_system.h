@@ -61,9 +61,6 @@ class Projection {
   Eigen::MatrixXd basis_;
 };
 
-/// Orthonormal columns of what orthonormal ones and others span; of dependent columns the first.
-Eigen::MatrixXd spanWith(const Eigen::MatrixXd& basis, const Eigen::MatrixXd& more);
-
 /// Matrices side by side.
 Eigen::MatrixXd beside(const std::vector<Eigen::MatrixXd>& parts);
 

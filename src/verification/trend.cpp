@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <ctime>
 
-#include "base/format.h"
 #include "base/median.h"
 #include "base/quantity_words.h"
 #include "base/text.h"
@@ -75,8 +74,10 @@ double usualVariance(const std::vector<ParameterTrend>& trends) {
 void say(ParameterTrend& t, const Trend& course) {
   const std::string what = inWords(t.effect) + ", " + t.name;
   if (!std::isfinite(t.slope)) {
-    t.inWords = what + ": no trend can be told from " + std::to_string(t.points.size()) +
-                (t.points.size() == 1 ? " calibration" : " calibrations");
+    t.inWords = what + ": no trend can be told from " +
+                (t.points.size() == 1 ? "one calibration"
+                                      : std::to_string(t.points.size()) +
+                                            " calibrations; comparable ones of a day or more are needed");
     return;
   }
   const std::string rate = expanded(kMonth * t.slope, kMonth * t.slopeStd, t.unit) + " in 30 days (k = 2)";
@@ -172,7 +173,7 @@ std::vector<ParameterTrend> trendsOf(const std::vector<Calibration>& calibration
     const Trend course = courses.emplace_back(trendOf(seriesOf(t), alpha, usual));
     t.slope = course.slope;
     t.slopeStd = course.slopeStd;
-    t.pValue = course.p;
+    if (std::isfinite(t.slope)) t.pValue = course.p;
     const auto comparable = [](const ParameterPoint& p) { return p.comparable; };
     const auto begin = std::find_if(t.points.begin(), t.points.end(), comparable);
     if (begin == t.points.end()) continue;

@@ -22,12 +22,12 @@ struct ParameterTrend {
   EffectSpec effect;
   std::string name, unit;
   std::vector<ParameterPoint> points;  // as time goes
-  /// Straight line through the comparable points, unit/day, with their scatter about it (trendOf). NaN: fewer
-  /// than two, or all of one time.
+  /// Straight line through the comparable points, unit/day, with their scatter about it (trendOf). NaN: of
+  /// less than a day.
   double slope = std::numeric_limits<double>::quiet_NaN(), slopeStd = slope;
   double change = 0.0, changeStd = 0.0;  // of the last against the first comparable point
   double pValue = 1.0;  // of a drift or step by chance (trendOf), corrected for all parameters asked (Holm
-                        // 1979); of fewer than three comparable points 1
+                        // 1979); of fewer than three comparable points, or less than a day, 1
   bool significant = false;  // below 0.01
   std::string inWords;
 };

@@ -11,6 +11,8 @@ namespace {
 
 constexpr double kAnyWeight = 1e-9, kLeastWeight = 1e-12;  // of the largest value; in the unit of the values
 constexpr std::size_t kFewestForLine = 3, kFewestForStep = 5;
+// d: every day a machine goes through a cycle of temperature; less of it does not tell a drift from its hour.
+constexpr double kShortestLine = 1.0;
 constexpr std::size_t kLongSeries =
     8;  // from here on a segment has three points: two bad sessions are no change
 constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -101,6 +103,11 @@ std::vector<TrendPoint> knownNoBetterThanUsual(std::vector<TrendPoint> points) {
   const double usual = median(std::move(stds));
   for (TrendPoint& p : points) p.std = std::max(p.std, usual);
   return points;
+}
+
+/// Whether the time between tells a rate.
+bool longEnough(const std::vector<TrendPoint>& points) {
+  return points.back().day - points.front().day >= kShortestLine;
 }
 
 /// Whether every uncertainty is stated.
@@ -218,7 +225,7 @@ class TrendSearch {
     return SegmentSums(part, scatter, part.front().value);
   }
   static std::size_t shortest(const Points& part) { return part.size() >= kLongSeries ? 3 : 2; }
-  static bool asksLine(const Points& part) { return part.size() >= kFewestForLine; }
+  static bool asksLine(const Points& part) { return part.size() >= kFewestForLine && longEnough(part); }
   static bool asksBump(const Points& part) {
     return part.size() >= kFewestForStep && part.size() >= 3 * shortest(part);
   }
@@ -340,10 +347,10 @@ Trend trendOf(const std::vector<TrendPoint>& series, double alpha, double usual)
   trend.scatter =
       std::sqrt(trend.scatter <= leastVariance(points) && !allStated(points) ? 0.0 : trend.scatter);
   trend.start = trend.end = trend.segments.front().level;
+  if (!longEnough(points)) return trend;
   const double dof = static_cast<double>(points.size()) - 2.0;
   const double scatter = varianceBetween(points, dof, [&](double s) { return lineThrough(points, s).chi2; });
   const TrendLine line = lineThrough(points, scatter);
-  if (!(line.variance > 0.0)) return trend;
   trend.slope = line.size;
   trend.slopeStd = std::sqrt(line.variance * (dof > 0.0 ? std::max(1.0, line.chi2 / dof) : 1.0));
   trend.start = line.level + line.size * (points.front().day - line.middle);
@@ -352,7 +359,7 @@ Trend trendOf(const std::vector<TrendPoint>& series, double alpha, double usual)
 }
 
 double residualVariance(const std::vector<TrendPoint>& series) {
-  if (series.size() < kFewestForLine || !allStated(series)) return std::nan("");
+  if (series.size() < kFewestForLine || !allStated(series) || !longEnough(series)) return std::nan("");
   const std::vector<TrendPoint> points = knownNoBetterThanUsual(series);
   return lineThrough(points, 0.0).chi2 / (static_cast<double>(points.size()) - 2.0);
 }

@@ -25,8 +25,8 @@ struct Trend {
   /// Standard deviation between sessions beyond the stated uncertainties, about the level (kQuiet), the line
   /// (kDrift) or the first step that was found (kSteps).
   double scatter = 0.0;
-  /// A day: the weighted line through all points, with the scatter about it. NaN: fewer than two points, or
-  /// all of one time.
+  /// A day: the weighted line through all points, with the scatter about it. NaN: they are of less than a
+  /// day, in which a drift is not told from the daily cycle of temperature.
   double slope = std::numeric_limits<double>::quiet_NaN(), slopeStd = slope;
   double start = 0.0, end = 0.0;       // values of the line at the first and the last point
   std::vector<TrendSegment> segments;  // kSteps: two or more; else one
@@ -54,14 +54,15 @@ struct Trend {
 /// The p-value is multiplied by the number of hypotheses and of places (Bonferroni), which far out is nearly
 /// exact. Of several hypotheses below `alpha` the likeliest is taken, each unknown at the price of BIC. Where
 /// a step is found, others are sought in both parts (binary segmentation; Scott and Knott, Biometrics 30
-/// (1974) 507). A drift is asked for from three points on, steps from five.
+/// (1974) 507). A drift is asked for from three points and a day on, steps from
+/// five points.
 /// @param series ascending in time. @param alpha chance of a false alarm that is accepted for this series.
 /// @param usual variance of residuals in units of the stated one that series of this kind have, as
 /// `residualVariance` says of each; at least 1.
 Trend trendOf(const std::vector<TrendPoint>& series, double alpha, double usual = 1.0);
 
-/// Variance of the residuals about a line, in units of the stated variances. NaN: fewer than three points, or
-/// an uncertainty is not stated.
+/// Variance of the residuals about a line, in units of the stated variances. NaN: fewer than three points,
+/// less than a day, or an uncertainty is not stated.
 double residualVariance(const std::vector<TrendPoint>& series);
 
 }  // namespace mm

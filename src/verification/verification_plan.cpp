@@ -59,11 +59,7 @@ std::vector<Eigen::MatrixXd> rowsOf(const FreshPoints& points, const Calibration
                .observation)]
         .push_back(i);
   std::vector<Eigen::MatrixXd> rows;
-  for (const std::vector<int>& own : of) {
-    Eigen::MatrixXd part(static_cast<Eigen::Index>(own.size()), all.cols());
-    for (std::size_t k = 0; k < own.size(); ++k) part.row(static_cast<Eigen::Index>(k)) = all.row(own[k]);
-    rows.push_back(std::move(part));
-  }
+  for (const std::vector<int>& own : of) rows.emplace_back(all(own, Eigen::all));
   return rows;
 }
 

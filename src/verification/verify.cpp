@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <set>
 
 #include "base/error.h"
@@ -11,7 +10,6 @@
 #include "verification/figures.h"
 #include "verification/loading_evidence.h"
 #include "verification/verify_words.h"
-#include "workflow/recalibration.h"
 
 namespace mm {
 namespace {

@@ -36,7 +36,9 @@ struct RemainingOfAxis : RemainingShare {
 };
 struct RemainingOfEffect : RemainingShare {
   EffectSpec effect;
-  double notCarried = 0.0;  // share that the tables of an export leave: no fault of the loading, no drift
+  /// Share that the tables of an export leave: no fault of the loading, no drift. `remaining` is of what they
+  /// carry. Below 0: they carry, in the shape of this effect, a part of another one.
+  double notCarried = 0.0;
 };
 
 /// A share of one axis's correction that appears as an error of another axis.

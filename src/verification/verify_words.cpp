@@ -13,9 +13,6 @@ namespace mm {
 namespace {
 
 constexpr double kCertain = 3.3;  // standard deviations
-/// A larger standard deviation of a share does not tell one state of a correction from half the way to the
-/// next.
-constexpr double kTold = 0.5 / kCertain;
 
 std::string list(const std::vector<std::string>& words) {
   if (words.size() < 2) return words.empty() ? std::string() : words.front();
@@ -237,33 +234,30 @@ std::string inWords(const LoadedHow& hypothesis, const std::vector<std::string>&
 }
 
 std::string inWords(const RemainingShare& share) {
-  if (!(share.std < kTold)) return "these points cannot tell whether it is corrected";
-  const auto near = [&](double value) {
-    return std::abs(share.remaining - value) < std::max(kCertain * share.std, 0.05);
-  };
-  const auto excludes = [&](double value) {
-    return std::abs(share.remaining - value) > kCertain * share.std;
-  };
-  if (near(0.0) && excludes(1.0)) return "corrected";
-  if (near(1.0) && excludes(0.0)) return "not corrected";
-  if (near(2.0)) return "wrong sign";
-  if (near(-1.0)) return "corrected twice";
-  return format("%.0f %% remain", 100.0 * share.remaining);
+  constexpr double kNear = 0.05, kHalfWay = 0.5;  // to the next state
+  const double wide = std::max(kCertain * share.std, kNear);
+  const double least = share.remaining - wide, most = share.remaining + wide;
+  bool between = true;
+  for (const AxisState state :
+       {AxisState::kCorrected, AxisState::kNotCorrected, AxisState::kWrongSign, AxisState::kTwice}) {
+    const StateFacts& facts = factsOf(state);
+    if (!(least <= facts.remaining && facts.remaining <= most)) continue;
+    between = false;
+    const bool noneBelow = state == AxisState::kTwice, noneAbove = state == AxisState::kWrongSign;
+    if ((noneBelow || least > facts.remaining - kHalfWay) && (noneAbove || most < facts.remaining + kHalfWay))
+      return facts.words;
+  }
+  if (!between || wide > kHalfWay) return "these points cannot tell whether it is corrected";
+  return share.remaining < 0.0 ? format("corrected by %.0f %%", 100.0 * (1.0 - share.remaining))
+                               : format("%.0f %% remain", 100.0 * share.remaining);
 }
 
 std::string inWords(const RemainingOfEffect& effect) {
   constexpr double kSome = 0.1;
-  const RemainingShare& whole = effect;
-  if (std::abs(effect.notCarried) < kSome) return inWords(whole);
-  RemainingShare loadedPart = effect;
-  loadedPart.remaining -= effect.notCarried;
-  const std::string words = inWords(loadedPart);
-  const std::string carried = effect.notCarried > 1.0 - kSome
-                                  ? std::string("not in any table")
-                                  : format("%.0f %% of it in no table", 100.0 * effect.notCarried);
-  return words == "corrected" || std::abs(loadedPart.remaining) < std::max(kCertain * effect.std, 0.05)
-             ? carried
-             : inWords(whole) + ", " + carried;
+  if (effect.notCarried > 1.0 - kSome) return "not in any table";
+  const RemainingShare& carried = effect;
+  return inWords(carried) +
+         (effect.notCarried > kSome ? format(", %.0f %% of it in no table", 100.0 * effect.notCarried) : "");
 }
 
 std::string sentenceOf(const Verification& v) {

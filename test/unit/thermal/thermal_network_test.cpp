@@ -142,7 +142,7 @@ TEST(Network, ComesBackFromItsNumbersToTheBit) {
       const auto network = fitted(kind, train.x, train.y, settings);
       const auto copy = networkFromNumbers(network->toNumbers());
       EXPECT_EQ(copy->kind(), kind);
-      EXPECT_EQ(copy->describe(), network->describe());
+      EXPECT_EQ(copy->rules(), network->rules());
       EXPECT_EQ(copy->evaluateAll(test.x), network->evaluateAll(test.x));
       copy->update(more.x, more.y);
       network->update(more.x, more.y);

@@ -89,6 +89,24 @@ TEST(Trend, ofFewPointsThatScatterIsJudgedByStudent) {
   EXPECT_FALSE(trends[0].significant);
 }
 
+TEST(Trend, ofLessThanADayHasNoRate) {
+  // 60 um/m more in an hour, as a machine warms up, are no 43,000 in 30 days.
+  std::vector<Calibration> hour, day;
+  for (int k = 0; k < 6; ++k) {
+    hour.push_back(calibrated(1, 50.0 + 12.0 * k));
+    hour.back().created = "2026-03-01T00:" + std::to_string(10 + 8 * k) + ":00Z";
+    day.push_back(hour.back());
+  }
+  day.back().created = "2026-03-02T00:10:00Z";
+  const std::vector<ParameterTrend> within = trendsOf(hour), over = trendsOf(day);
+  EXPECT_TRUE(std::isnan(within[0].slope)) << within[0].inWords;
+  EXPECT_EQ(within[0].pValue, 1.0);
+  EXPECT_FALSE(within[0].significant);
+  EXPECT_EQ(within[0].inWords.find("in 30 days"), std::string::npos) << within[0].inWords;
+  EXPECT_NEAR(within[0].change, 60.0, 1e-9);
+  EXPECT_TRUE(std::isfinite(over[0].slope)) << over[0].inWords;
+}
+
 TEST(Trend, ofOneSessionTakesTheLastCalibration) {
   Calibration first = calibrated(1, 50.0), again = calibrated(2, 52.0), later = calibrated(11, 60.0);
   first.sessionHash = again.sessionHash = "a";

@@ -5,8 +5,11 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/format.h"
+#include "compensation_support.h"
 #include "exported_controller.h"
 #include "report/verify_json.h"
+#include "session/contacts_csv.h"
 #include "verdict_tally.h"
 
 namespace mm {
@@ -42,6 +45,59 @@ TEST(VerifyExport, whatNoTableCarriesIsNoDrift) {
     const Verification blind = exported.judge(session, false);
     EXPECT_TRUE(blind.drifted) << blind.inWords;
     EXPECT_NE(blind.inWords.find("name them with --export"), std::string::npos) << blind.inWords;
+  }
+}
+
+/// 500 um/m of scale and 100 um/m/K of x, read by an instrument at 18 to 26 degC of the bed.
+/// @param adds to x, m.
+Session warmAxis(const std::function<double(const CommandedState&)>& adds) {
+  std::string text = "time_s,x_mm,x_velocity_mm_s,deviation_x_um,bed_degC\n";
+  for (int i = 0; i < 120; ++i) {
+    const double bed = 22.0 + 4.0 * std::sin(0.05 * i), phase = 0.13 * i;
+    const double x = 18.0 * std::sin(phase), velocity = std::cos(phase) > 0.0 ? 1.0 : -1.0;
+    CommandedState command{{{"x", x * 1e-3}, {"y", 0.0}, {"z", 0.0}},
+                           {{"x", static_cast<int>(velocity)}, {"y", 1}, {"z", 1}},
+                           {}};
+    const double deviation = 0.5 * x + 0.1 * x * (bed - 20.0) + 1e6 * adds(command) + 0.1 * std::sin(7.0 * i);
+    text += format("%d,%.6f,%g,%.6f,%.4f\n", i, x, velocity, deviation, bed);
+  }
+  const Folder folder;
+  return readContactsCsv(folder.write("warm.csv", text), Machine::load("three_axis"), nullptr);
+}
+
+// A table of positions has the expansion at one temperature, in the shape of the scale; the rest of it in
+// none.
+TEST(VerifyExport, everyRowSaysWhatTheVerdictSays) {
+  LoadedController controller(6700);
+  Calibration c = calibrationOf(Machine::load("three_axis"),
+                                {EffectSpec("scale").set("axis", "x"),
+                                 EffectSpec("thermal_expansion").set("axis", "x").set("sensor", "bed")});
+  c.domain.sensors = {"bed"};
+  c.domain.sensorLower = {18};
+  c.domain.sensorUpper = {26};
+  c.values[0].value = 500e-6;
+  c.values[1].value = 100e-6;
+  c.repeatability = 0.1e-6;
+  c.heldOutRms = 0.1e-6;
+  controller.calibration = c;
+  const ExportedController exported(controller, "linuxcnc", true);
+  const struct {
+    double times;
+    const char *finding, *words;
+  } kLoaded[] = {{1.0, "corrected", "corrected"},
+                 {0.0, "not_corrected", "not corrected"},
+                 {-1.0, "wrong_sign", "wrong sign"},
+                 {2.0, "corrected_twice", "corrected twice"}};
+  for (const auto& loaded : kLoaded) {
+    const Verification v = exported.judge(warmAxis(
+        [&](const CommandedState& command) { return loaded.times * exported.tables(command).at("x"); }));
+    EXPECT_EQ(v.finding, loaded.finding) << v.inWords;
+    ASSERT_EQ(v.axes.size(), 1u);
+    ASSERT_EQ(v.effects.size(), 2u);
+    EXPECT_EQ(v.axes[0].inWords, loaded.words) << v.inWords;
+    EXPECT_EQ(v.effects[0].inWords, loaded.words) << v.effects[0].remaining;
+    EXPECT_LT(v.effects[0].notCarried, -0.2);
+    EXPECT_EQ(v.effects[1].inWords, "not in any table") << v.effects[1].notCarried;
   }
 }
 

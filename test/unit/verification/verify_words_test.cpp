@@ -73,6 +73,23 @@ TEST(VerifyWords, sayCorrectedOnlyWhereHalfOfTheErrorIsExcluded) {
   EXPECT_EQ(words(0.5, 0.05), "50 % remain");
   for (const double remaining : {-0.1, 0.0, 1.0})
     EXPECT_EQ(words(remaining, 0.24), "these points cannot tell whether it is corrected") << remaining;
+  // 3.3 standard deviations reach half the way to the next state, of which 2 and -1 have none beyond them.
+  EXPECT_EQ(words(-0.39, 0.12), "these points cannot tell whether it is corrected");
+  EXPECT_EQ(words(-1.39, 0.12), "corrected twice");
+  EXPECT_EQ(words(2.2, 0.09), "wrong sign");
+  EXPECT_EQ(words(-0.88, 0.03), "corrected by 188 %");
+}
+
+TEST(VerifyWords, ofAnEffectSpeakOfWhatTheTablesCarry) {
+  RemainingOfEffect effect;
+  effect.remaining = -1.0;
+  effect.std = 0.05;
+  effect.notCarried = -0.8;  // the tables carry another effect in its shape
+  EXPECT_EQ(inWords(effect), "corrected twice");
+  effect.notCarried = 0.4;
+  EXPECT_EQ(inWords(effect), "corrected twice, 40 % of it in no table");
+  effect.notCarried = 0.97;
+  EXPECT_EQ(inWords(effect), "not in any table");
 }
 
 TEST(VerifyWords, ofACorrectionThatPointsDoNotShow) {
