@@ -41,13 +41,6 @@ fs::path parentOf(const fs::path& folder) {
   return parent.empty() ? fs::path(".") : parent;
 }
 
-void sync(const fs::path& folder) {
-  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return;
-  ::fsync(descriptor);
-  ::close(descriptor);
-}
-
 /// The names in an earlier export's own list, and the target; empty: it is none.
 struct Earlier {
   std::string target;
@@ -111,7 +104,7 @@ void writeExportFolder(const fs::path& folder, const std::vector<ExportedFile>& 
       writeFileAtomically(made / file.path, file.text);
     }
     fs::permissions(made, fs::perms(0755));
-    sync(made);
+    syncPath(made);
     if (!fs::exists(target)) {
       if (::rename(made.c_str(), target.c_str()) != 0) refuse(folder, errno);
     } else {
@@ -124,7 +117,7 @@ void writeExportFolder(const fs::path& folder, const std::vector<ExportedFile>& 
     fs::remove_all(made, ignored);
     throw;
   }
-  sync(parent);
+  syncPath(parent);
 }
 
 }  // namespace mm

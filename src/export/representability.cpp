@@ -47,7 +47,8 @@ struct Driven {
   std::vector<State> states;
   std::vector<Eigen::Vector3d> places;
   Eigen::VectorXd before, after, beside;  // beside: with what Exported::alsoAdds adds; empty: nothing
-  std::vector<int> directions;            // of workpiece, along which a linear axis moves or the model errs
+  std::vector<int> directions;            // of workpiece, along which the session moved or the model errs
+  std::vector<std::string> notMoved;      // other directions, along which a linear axis could have moved
 };
 
 double meanSquare(const Eigen::VectorXd& errors, int direction) {
@@ -61,17 +62,25 @@ double rms(const Eigen::VectorXd& errors, const std::vector<int>& directions) {
   return directions.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(directions.size()));
 }
 
-std::vector<int> directionsOf(const NeededCorrection& needed, const Driven& driven) {
+std::string nameOf(int direction) { return std::string(1, static_cast<char>('x' + direction)); }
+
+void findDirections(const NeededCorrection& needed, Driven& driven) {
   const State& state = driven.states.front();
+  const Eigen::Matrix3Xd byJoint =
+      needed.model().machine().jacobian(state.position.data(), state.laserReading).topRows<3>();
   const Eigen::VectorXd errors = aligned(driven.before, driven.places, true);
-  std::vector<int> directions;
+  std::vector<int> moved;
+  for (const int joint : needed.linear())
+    if (needed.moved(joint)) moved.push_back(joint);
   for (int d = 0; d < 3; ++d) {
-    const double missed = linearMotion(needed.model().machine(), state.position.data(), state.laserReading,
-                                       Eigen::Vector3d::Unit(d))
-                              .missed;
-    if (missed < 1.0 - kRank || std::sqrt(meanSquare(errors, d)) > kBelowAll) directions.push_back(d);
+    const auto reach = [&](const std::vector<int>& joints) {
+      return linearMotion(joints, byJoint, Eigen::Vector3d::Unit(d)).missed < 1.0 - kRank;
+    };
+    if (reach(moved) || std::sqrt(meanSquare(errors, d)) > kBelowAll)
+      driven.directions.push_back(d);
+    else if (reach(needed.linear()))
+      driven.notMoved.push_back(nameOf(d));
   }
-  return directions;
 }
 
 /// Interprets files that nobody has been given yet.
@@ -103,7 +112,7 @@ Driven drivenBy(const std::string& target, const NeededCorrection& needed, const
     driven.places.push_back(
         needed.model().machine().nominal(state.position.data(), state.laserReading).position);
   }
-  driven.directions = directionsOf(needed, driven);
+  findDirections(needed, driven);
   return driven;
 }
 
@@ -154,7 +163,7 @@ std::vector<LeftAlong> leftAlong(const Driven& driven, const NeededCorrection& n
     along.push_back(std::move(one));
   };
   if (driven.directions.size() != 1) add("", driven.directions);
-  for (const int d : driven.directions) add(std::string(1, static_cast<char>('x' + d)), {d});
+  for (const int d : driven.directions) add(nameOf(d), {d});
   return along;
 }
 
@@ -287,6 +296,7 @@ Representability representability(const Calibration& calibration, const ExportTa
   const Driven driven = drivenBy(target.name, needed, exported);
   result.figures = figuresOf(driven);
   result.along = leftAlong(driven, needed);
+  result.notMoved = driven.notMoved;
   tell("all effects", 0);
   result.heldOut = std::isfinite(calibration.heldOutRms) ? calibration.heldOutRms : calibration.rms;
   result.repeatability = calibration.repeatability;

@@ -12,10 +12,10 @@
 namespace mm {
 
 /// What a target's tables leave, over the calibrated volume, temperatures, directions of travel and duration.
-/// Root mean square of a coordinate, m: of those along which a linear axis moves or the model errs. Where the
-/// machine is driven by the target's rules (src/interpreters) against where the full model says that it was
-/// commanded. What an alignment of the workpiece sets anew, one displacement and one small rotation of all
-/// states, is taken out; `unaligned` takes out the displacement alone.
+/// Root mean square of a coordinate, m: of those along which a linear axis moved in the session or the model
+/// errs. Where the machine is driven by the target's rules (src/interpreters) against where the full model
+/// says that it was commanded. What an alignment of the workpiece sets anew, one displacement and one small
+/// rotation of all states, is taken out; `unaligned` takes out the displacement alone.
 struct ExportFigures {
   double uncorrected = 0.0, exported = 0.0;
   double unalignedUncorrected = 0.0, unalignedExported = 0.0;
@@ -56,8 +56,9 @@ struct Representability {
   std::map<std::string, std::string> letters;  // joint -> the controller's axis
   std::map<std::string, std::string> sensors;  // the controller's name of a sensor -> the calibration's
   ExportFigures figures;
-  std::vector<LeftAlong> along;   // a coordinate, and, where there are several, each direction
-  double degreesOfFreedom = 0.0;  // of the session's residuals; 0: not told
+  std::vector<LeftAlong> along;       // a coordinate, and, where there are several, each direction
+  std::vector<std::string> notMoved;  // directions left out: an axis moves there, but not in the session
+  double degreesOfFreedom = 0.0;      // of the session's residuals; 0: not told
   double heldOut = 0.0;        // m: RMS that the full model left of the session, held out where that is known
   double repeatability = 0.0;  // m, of a contact of the session
   std::vector<CarriedEffect> effects;

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "base/format.h"
+#include "base/nearest_name.h"
 #include "base/quantity_words.h"
 #include "base/units.h"
 #include "export/representability.h"
@@ -106,6 +107,7 @@ ordered_json representabilityJson(const Representability& judged) {
       json["along"].push_back(alongJson(judged, along));
       json["along"].back()["direction"] = along.direction;
     }
+  json["not_moved"] = judged.notMoved;
   json["not_followed"] = judged.notFollowed;
   json["effects"] = ordered_json::array();
   for (const CarriedEffect& e : judged.effects) {
@@ -132,6 +134,8 @@ std::string representabilityText(const Representability& judged) {
       "RMS over the calibrated volume, temperatures and directions of travel:\n"
       "                       left of the model   at the probe         measured\n";
   for (const LeftAlong& along : judged.along) text += alongText(judged, along);
+  if (!judged.notMoved.empty())
+    text += "Not told along " + listOf(judged.notMoved) + ": no axis moved there in the session.\n";
   if (!judged.along.empty()) text += expectedWords(judged);
   text += "An alignment of the workpiece is taken out of what is left of the model; without that " +
           um(f.unalignedUncorrected) + " and " + um(f.unalignedExported) + ".\n";

@@ -97,31 +97,18 @@ AxisTable crossTable(const KeyedValues& list, const std::string& slave,
 }
 
 /// Plane compensation: linear between the four points of a square, the margin beyond (documented).
-struct PlaneCompensation {
-  std::string slave;
-  std::vector<std::string> masters;
-  std::vector<std::vector<double>> at;  // of each master
-  std::vector<Curve> rows;              // over the first master, one for each position of the second
-
-  double value(const CommandedState& command) const {
-    std::vector<double> column;
-    for (const Curve& row : rows) column.push_back(row.at(commanded(command, masters[0])));
-    return Curve(at[1], column).at(commanded(command, masters[1]));
-  }
-};
-
-PlaneCompensation planeCompensation(const KeyedValues& list, const std::string& slave,
-                                    const std::map<int, std::string>& axes) {
+AxesGrid planeCompensation(const KeyedValues& list, const std::string& slave,
+                           const std::map<int, std::string>& axes) {
   const std::string name = "kw.crosscomp2";
   list.only(name + ".unit", 1);
-  PlaneCompensation plane{slave, {}, {}, {}};
+  AxesGrid plane{{}, slave, {}, {}, true};
   const double interval = list.number(name + ".interval");
   if (!(interval > 0.0)) refuse(list.place(name + ".interval"), name + ".interval: is not above 0");
   for (const std::string which : {"1", "2"}) {
     const std::string master = masterAxis(list, name + ".master" + which + "_ax_nr", axes);
     const int last = list.integer(name + ".last_index_master" + which, 1, kMostPlanePoints);
     const double start = list.number(name + ".start_position_master" + which, 0.0);
-    plane.masters.push_back(master);
+    plane.inputs.push_back(master);
     plane.at.emplace_back();
     for (int i = 0; i <= last; ++i) plane.at.back().push_back((start + i * interval) * listUnit(master));
   }
@@ -130,42 +117,12 @@ PlaneCompensation planeCompensation(const KeyedValues& list, const std::string& 
     refuse(list.place(name + ".last_index_master1"), name + ": " + std::to_string(columns) + " x " +
                                                          std::to_string(rows) + " points are more than " +
                                                          std::to_string(kMostPlanePoints));
-  for (int k = 0; k < rows; ++k) {
-    std::vector<double> row;
-    for (int i = 0; i < columns; ++i)
-      row.push_back(tableValue(list, name, k, "[" + std::to_string(i) + "].correction") * listUnit(slave));
-    plane.rows.emplace_back(plane.at[0], row);
-  }
+  for (int i = 0; i < columns; ++i)
+    for (int k = 0; k < rows; ++k)
+      plane.values.push_back(tableValue(list, name, k, "[" + std::to_string(i) + "].correction") *
+                             listUnit(slave));
   return plane;
 }
-
-class BeckhoffInterpreter : public Interpreter {
- public:
-  BeckhoffInterpreter(std::vector<AxisTable> tables, std::vector<PlaneCompensation> planes)
-      : tables_(std::move(tables)), planes_(std::move(planes)) {}
-
-  std::map<std::string, double> motors(const CommandedState& command) const override {
-    std::map<std::string, double> motors = tables_.motors(command);
-    for (const PlaneCompensation& plane : planes_) {
-      const auto motor = motors.find(plane.slave);
-      if (motor != motors.end()) motor->second += plane.value(command);
-    }
-    return motors;
-  }
-
-  JointPoints points() const override {
-    JointPoints points = tables_.points();
-    for (const PlaneCompensation& plane : planes_) {
-      points[plane.slave];
-      for (std::size_t m : {0, 1}) addPoints(plane.masters[m], plane.at[m], points);
-    }
-    return points;
-  }
-
- private:
-  TableSum tables_;
-  std::vector<PlaneCompensation> planes_;
-};
 
 /// Logical numbers of the axes: of the lists, else 1 is x, 2 y, 3 z, 4 a, 5 b, 6 c.
 std::map<int, std::string> logicalAxes(const std::map<std::string, KeyedValues>& lists) {
@@ -194,7 +151,7 @@ std::unique_ptr<Interpreter> interpretBeckhoff(const std::filesystem::path& fold
   if (lists.empty()) throw InputError(folder.string() + ": has no <axis>.lis, which beckhoff reads");
   const std::map<int, std::string> axes = logicalAxes(lists);
   std::vector<AxisTable> tables;
-  std::vector<PlaneCompensation> planes;
+  std::vector<AxesGrid> planes;
   for (const auto& [joint, list] : lists) {
     const auto on = [&](const std::string& name) {
       return list.hasAny("kw." + name + ".") && list.flag("lr_param." + name, true);
@@ -207,7 +164,7 @@ std::unique_ptr<Interpreter> interpretBeckhoff(const std::filesystem::path& fold
     if (on("crosscomp")) tables.push_back(crossTable(list, joint, axes));
     if (on("crosscomp2")) planes.push_back(planeCompensation(list, joint, axes));
   }
-  return std::make_unique<BeckhoffInterpreter>(std::move(tables), std::move(planes));
+  return std::make_unique<TableSum>(std::move(tables), std::move(planes));
 }
 
 }  // namespace mm

@@ -9,7 +9,6 @@
 #include <set>
 
 #include "base/error.h"
-#include "base/grid_values.h"
 #include "base/nearest_name.h"
 #include "base/text.h"
 #include "interpreters/table_sum.h"
@@ -20,20 +19,6 @@ namespace {
 
 constexpr const char* kIsgList = "volcomp.lis";
 constexpr int kMostIsgFiles = 10, kMostIsgAxis = 65535;
-
-/// An error along an axis as a function of positions: linear along each, the border beyond.
-struct IsgErrors {
-  std::string output;                  // joint
-  std::vector<std::string> arguments;  // joints
-  std::vector<std::vector<double>> at;
-  std::vector<double> values;  // m, the last argument fastest
-
-  double value(const CommandedState& command) const {
-    std::vector<double> position;
-    for (const std::string& argument : arguments) position.push_back(commanded(command, argument));
-    return gridValue(gridCorners(at, position), values);
-  }
-};
 
 /// Keys of the configuration; those that say nothing of where the motors stand at rest, or of rotary axes
 /// alone, are not looked at.
@@ -177,7 +162,7 @@ IsgPlaces isgPlaces(const TextTable& block) {
 
 /// @param named errors that are there already.
 void addIsgErrors(const TextTable& block, const KeyedValues& list, std::set<std::string>& named,
-                  std::vector<IsgErrors>& tables) {
+                  std::vector<AxesGrid>& grids) {
   std::set<std::string> arguments;
   std::vector<std::string> errors;
   for (const std::string& name : block.names.cells) {
@@ -189,12 +174,12 @@ void addIsgErrors(const TextTable& block, const KeyedValues& list, std::set<std:
   if (block.rows.empty()) refuse(block.names.place, "no records stand below this header");
   const IsgPlaces places = isgPlaces(block);
   for (const std::string& name : errors) {
-    IsgErrors table{lower(name.substr(1, 1)), places.arguments, places.at, {}};
+    const std::string joint = lower(name.substr(1, 1));
+    const double taken = -jointUnit(joint) * isgFactor(list, joint);
     const std::vector<double> numbers = block.numbers(name);
-    table.values.resize(numbers.size());
-    for (std::size_t i = 0; i < numbers.size(); ++i)
-      table.values[places.point[i]] = numbers[i] * jointUnit(table.output) * isgFactor(list, table.output);
-    tables.push_back(std::move(table));
+    AxesGrid grid{places.arguments, joint, places.at, std::vector<double>(numbers.size())};
+    for (std::size_t i = 0; i < numbers.size(); ++i) grid.values[places.point[i]] = numbers[i] * taken;
+    grids.push_back(std::move(grid));
   }
 }
 
@@ -208,32 +193,6 @@ std::filesystem::path isgFile(const KeyedValues& list, const std::string& key,
   return folder / name;
 }
 
-class IsgInterpreter : public Interpreter {
- public:
-  explicit IsgInterpreter(std::vector<IsgErrors> tables) : tables_(std::move(tables)) {}
-
-  std::map<std::string, double> motors(const CommandedState& command) const override {
-    std::map<std::string, double> motors = command.position;
-    for (const IsgErrors& table : tables_)
-      if (const auto motor = motors.find(table.output); motor != motors.end())
-        motor->second -= table.value(command);
-    return motors;
-  }
-
-  JointPoints points() const override {
-    JointPoints points;
-    for (const IsgErrors& table : tables_) {
-      if (std::all_of(table.values.begin(), table.values.end(), [](double v) { return v == 0.0; })) continue;
-      points[table.output];
-      for (std::size_t a = 0; a < table.at.size(); ++a) addPoints(table.arguments[a], table.at[a], points);
-    }
-    return points;
-  }
-
- private:
-  std::vector<IsgErrors> tables_;
-};
-
 }  // namespace
 
 std::unique_ptr<Interpreter> interpretIsg(const std::filesystem::path& folder) {
@@ -242,7 +201,7 @@ std::unique_ptr<Interpreter> interpretIsg(const std::filesystem::path& folder) {
   const KeyedValues list = readIsgList(folder / kIsgList);
   checkIsgList(list);
   std::set<std::string> named;
-  std::vector<IsgErrors> tables;
+  std::vector<AxesGrid> grids;
   bool any = false;
   for (int j = 0; j < kMostIsgFiles; ++j) {
     const std::string index = "[" + std::to_string(j) + "]", kind = "file_format" + index;
@@ -251,10 +210,10 @@ std::unique_ptr<Interpreter> interpretIsg(const std::filesystem::path& folder) {
     if (const std::string said = isgWord(list, kind, "ISG_CSV"); said != "ISG_CSV")
       refuse(list.place(kind), kind + ": " + said + " is not read, only ISG_CSV");
     for (const TextTable& block : isgBlocks(isgFile(list, "file" + index, folder)))
-      addIsgErrors(block, list, named, tables);
+      addIsgErrors(block, list, named, grids);
   }
   if (!any) refuse(list.whole(), "file[0] is missing");
-  return std::make_unique<IsgInterpreter>(std::move(tables));
+  return std::make_unique<TableSum>(std::vector<AxisTable>{}, std::move(grids));
 }
 
 }  // namespace mm

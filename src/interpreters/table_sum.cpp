@@ -9,6 +9,13 @@
 #include "base/units.h"
 
 namespace mm {
+namespace {
+
+bool allZero(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(), [](double value) { return value == 0.0; });
+}
+
+}  // namespace
 
 Curve Curve::stepped() const {
   Curve curve = *this;
@@ -16,9 +23,7 @@ Curve Curve::stepped() const {
   return curve;
 }
 
-bool Curve::addsNothing() const {
-  return std::all_of(values_.begin(), values_.end(), [](double value) { return value == 0.0; });
-}
+bool Curve::addsNothing() const { return allZero(values_); }
 
 double Curve::at(double position) const {
   if (values_.size() < 2) return values_.empty() ? 0.0 : values_[0];
@@ -30,6 +35,12 @@ double Curve::at(double position) const {
 
 AxisTable reversal(const std::string& joint, double positive, double negative) {
   return {joint, joint, Curve(positive), Curve(negative)};
+}
+
+double AxesGrid::value(const CommandedState& command) const {
+  std::vector<double> position;
+  for (const std::string& input : inputs) position.push_back(commanded(command, input));
+  return gridValue(gridCorners(at, position), values);
 }
 
 std::map<std::string, double> TableSum::motors(const CommandedState& command) const {
@@ -46,6 +57,9 @@ void TableSum::add(const CommandedState& command, std::map<std::string, double>&
     motor->second +=
         byDirection(command, table.input, table.positive.at(position), table.negative.at(position));
   }
+  for (const AxesGrid& grid : grids_)
+    if (const auto motor = motors.find(grid.output); motor != motors.end())
+      motor->second += grid.value(command);
 }
 
 JointPoints TableSum::points() const {
@@ -55,6 +69,11 @@ JointPoints TableSum::points() const {
     points[table.output];
     addPoints(table.input, table.positive.positions(), points);
     addPoints(table.input, table.negative.positions(), points);
+  }
+  for (const AxesGrid& grid : grids_) {
+    if (!grid.alwaysTold && allZero(grid.values)) continue;
+    points[grid.output];
+    for (std::size_t a = 0; a < grid.at.size(); ++a) addPoints(grid.inputs[a], grid.at[a], points);
   }
   return points;
 }

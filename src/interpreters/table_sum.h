@@ -38,12 +38,25 @@ struct AxisTable {
 /// A reversal: what is added to a joint after a motion in either direction.
 AxisTable reversal(const std::string& joint, double positive, double negative);
 
+/// What the positions of several axes together add to the motor of one: linear along each, the border beyond.
+struct AxesGrid {
+  std::vector<std::string> inputs;  // joints
+  std::string output;               // joint
+  std::vector<std::vector<double>> at;
+  std::vector<double> values;  // the last input fastest
+  bool alwaysTold = false;     // of points(): also where it adds nothing
+
+  double value(const CommandedState& command) const;
+};
+
 /// Motor = command + every table's value at the command: how most controllers compensate.
 class TableSum : public Interpreter {
  public:
   /// Tables of a controller. @param numbers as `numbers()` gives them.
   explicit TableSum(std::vector<AxisTable> tables, std::map<std::string, std::set<int>> numbers = {})
       : tables_(std::move(tables)), numbers_(std::move(numbers)) {}
+  TableSum(std::vector<AxisTable> tables, std::vector<AxesGrid> grids)
+      : tables_(std::move(tables)), grids_(std::move(grids)) {}
   std::map<std::string, double> motors(const CommandedState& command) const override;
   JointPoints points() const override;
   std::map<std::string, std::set<int>> numbers() const override { return numbers_; }
@@ -52,6 +65,7 @@ class TableSum : public Interpreter {
 
  private:
   std::vector<AxisTable> tables_;
+  std::vector<AxesGrid> grids_;
   std::map<std::string, std::set<int>> numbers_;
 };
 

@@ -40,6 +40,25 @@ struct Workshop {
   std::function<const std::vector<Condition>&()> visits;
 };
 
+/// A source that is about to be built.
+struct Making {
+  const HiddenSource& source;
+  Workshop& workshop;
+  Random& random;
+
+  double number(const std::string& name) const { return source.number(name); }
+  /// The joint that a key names; -1: none of that name.
+  int joint(const std::string& key = "axis") const { return workshop.machine.findJoint(source.key(key)); }
+  int body(const std::string& key) const { return workshop.thermal.findBody(source.key(key)); }
+  Eigen::Vector3d unitVector(const std::string& key) const;  ///< of `x`, `y` or `z`
+  Direction direction() const;                               ///< of the key `direction`
+  Tilt tilt() const;                                         ///< of the keys `about` and `lever`
+  void add(Source law) const { workshop.physics.sources.push_back(std::move(law)); }
+};
+
+/// A joint's own motion where a joint has that name, else the axis of workpiece.
+Direction directionOf(const Machine& machine, const std::string& name);
+
 /// One kind of source that can be hidden.
 struct SourceKind {
   enum class Key {
@@ -61,7 +80,7 @@ struct SourceKind {
   struct KeyRule {
     std::string name;
     Key kind;
-    std::string standard;  // value unless given; empty: drawn
+    std::string standard = {};  // value unless given; empty: drawn
   };
   struct NumberRule {
     std::string name, dimension;      // dimension `travel`: m or rad by the joint of the first key
@@ -71,9 +90,9 @@ struct SourceKind {
   std::string type;
   std::vector<KeyRule> keys;
   std::vector<NumberRule> numbers;
+  std::function<void(const Making&)> build;
   enum class Probe { kAny, kTouch, kLaser } probe = Probe::kAny;
   bool composite = false;  // never drawn by `random`
-  std::function<void(const HiddenSource&, Workshop&, Random&)> build;
 };
 
 /// All kinds that can be hidden, in the order of the catalogue.

@@ -1,33 +1,19 @@
 #pragma once
-#include <Eigen/Core>
-#include <memory>
-#include <string>
-#include <utility>
 #include <vector>
 
 #include "simulation/catalogue.h"
 
-namespace mm {
+// For the sources of the catalogue only.
+namespace mm::source_kinds {
 
-/// Rotary axes: zero, place and direction of the axis, graduation, wobble.
-std::vector<SourceKind> rotaryKinds();
+using Key = SourceKind::Key;
+using Probe = SourceKind::Probe;
+using Kinds = std::vector<SourceKind>;
 
-/// What the makers of sources share.
-namespace source_kinds {
+Kinds screw();      ///< of the drives: positions along the axis
+Kinds guideway();   ///< squareness, straightness, roll, pitch and yaw
+Kinds structure();  ///< heat, time, weight, and what was logged beside them
+Kinds probe();      ///< of probe and artifact
+Kinds rotary();     ///< zero, place and direction of the axis, graduation, wobble
 
-/// A source of type T among those of the machine.
-template <typename T, typename... Arguments>
-void add(Workshop& w, Arguments&&... arguments) {
-  w.physics.sources.push_back(std::make_shared<T>(std::forward<Arguments>(arguments)...));
-}
-
-/// The joint that a key names; -1: none of that name.
-inline int joint(const HiddenSource& s, const Workshop& w, const char* key) {
-  return w.machine.findJoint(s.key(key));
-}
-
-/// Of `x`, `y` or `z`.
-inline Eigen::Vector3d unitVector(const std::string& name) { return Eigen::Vector3d::Unit(name[0] - 'x'); }
-
-}  // namespace source_kinds
-}  // namespace mm
+}  // namespace mm::source_kinds

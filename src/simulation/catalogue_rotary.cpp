@@ -1,81 +1,78 @@
+// Errors of the rotary axes (ISO 230-7).
 #include <Eigen/Geometry>
 #include <cmath>
 
 #include "base/units.h"
 #include "simulation/catalogue_parts.h"
-#include "simulation/rotary.h"
 
-namespace mm {
+namespace mm::source_kinds {
 namespace {
 
-using Key = SourceKind::Key;
-using Probe = SourceKind::Probe;
-using source_kinds::add;
-using source_kinds::joint;
-using source_kinds::unitVector;
+int harmonicOf(const Making& m) { return std::stoi(m.source.key("harmonic")); }
 
-/// Two unit vectors square to a joint's axis.
-std::pair<Eigen::Vector3d, Eigen::Vector3d> across(const Eigen::Vector3d& axis) {
+/// A unit vector square to the joint's axis that goes round it, harmonic by harmonic, as the axis turns;
+/// axes of workpiece with all joints at zero.
+std::function<Eigen::Vector3d(const Condition&)> goingRound(const Making& m) {
+  const int joint = m.joint("joint");
+  const Eigen::Vector3d& axis = m.workshop.chain.axis(joint);
   const Eigen::Vector3d seed = std::abs(axis.x()) < 0.9 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
-  const Eigen::Vector3d first = (seed - axis * axis.dot(seed)).normalized();
-  return {first, axis.cross(first)};
+  const Eigen::Vector3d first = (seed - axis * axis.dot(seed)).normalized(), second = axis.cross(first);
+  return [=, harmonic = harmonicOf(m), phase = m.number("phase")](const Condition& c) -> Eigen::Vector3d {
+    const double turn = harmonic * c.slide[joint] + phase;
+    return std::cos(turn) * first + std::sin(turn) * second;
+  };
 }
 
 }  // namespace
 
-std::vector<SourceKind> rotaryKinds() {
+Kinds rotary() {
   return {
       {"rotary_zero",
-       {{"joint", Key::kRotary, ""}},
+       {{"joint", Key::kRotary}},
        {{"angle", "rad", 5.0 * kArcsecond, 60.0 * kArcsecond, true}},
-       Probe::kAny,
-       false,
-       [](const HiddenSource& s, Workshop& w, Random&) {
-         add<RotaryZero>(w, joint(s, w, "joint"), s.number("angle"));
+       [](const Making& m) {
+         m.add([j = m.joint("joint"), angle = m.number("angle")](const Condition&, Distortion& d) {
+           d.travel[j] += angle;
+         });
        }},
+      // location errors: the axis does not stand where it should
       {"rotary_axis_offset",
-       {{"joint", Key::kRotary, ""}, {"direction", Key::kAcross, ""}},
+       {{"joint", Key::kRotary}, {"direction", Key::kAcross}},
        {{"shift", "m", 3e-6, 30e-6, true}},
-       Probe::kAny,
-       false,
-       [](const HiddenSource& s, Workshop& w, Random&) {
-         add<RotaryLocation>(w, joint(s, w, "joint"), unitVector(s.key("direction")) * s.number("shift"),
-                             Eigen::Vector3d::Zero());
+       [](const Making& m) {
+         const Eigen::Vector3d shift = m.unitVector("direction") * m.number("shift");
+         m.add([j = m.joint("joint"), shift](const Condition&, Distortion& d) { d.shift[j] += shift; });
        }},
       {"rotary_axis_tilt",
-       {{"joint", Key::kRotary, ""}, {"about", Key::kAcross, ""}},
+       {{"joint", Key::kRotary}, {"about", Key::kAcross}},
        {{"angle", "rad", 5.0 * kArcsecond, 60.0 * kArcsecond, true}},
-       Probe::kAny,
-       false,
-       [](const HiddenSource& s, Workshop& w, Random&) {
-         add<RotaryLocation>(w, joint(s, w, "joint"), Eigen::Vector3d::Zero(),
-                             unitVector(s.key("about")) * s.number("angle"));
+       [](const Making& m) {
+         const Eigen::Vector3d tilt = m.unitVector("about") * m.number("angle");
+         m.add([j = m.joint("joint"), tilt](const Condition&, Distortion& d) { d.tilt[j] += tilt; });
        }},
+      // an encoder disc mounted off its centre, in a bearing that runs out of true (radial motion)
       {"rotary_eccentricity",
-       {{"joint", Key::kRotary, ""}, {"harmonic", Key::kWord, "1"}},
+       {{"joint", Key::kRotary}, {"harmonic", Key::kWord, "1"}},
        {{"angle", "rad", 4.0 * kArcsecond, 40.0 * kArcsecond},
         {"phase", "turn", 0.01, 6.28},
         {"radial", "m", 1e-6, 6e-6}},
-       Probe::kAny,
-       false,
-       [](const HiddenSource& s, Workshop& w, Random&) {
-         const int j = joint(s, w, "joint");
-         const auto [first, second] = across(w.chain.axis(j));
-         add<DiscEccentricity>(w, j, std::stoi(s.key("harmonic")), s.number("angle"), s.number("phase"));
-         add<RadialRunOut>(w, j, std::stoi(s.key("harmonic")), s.number("radial"), s.number("phase"), first,
-                           second);
+       [](const Making& m) {
+         m.add([j = m.joint("joint"), harmonic = harmonicOf(m), angle = m.number("angle"),
+                phase = m.number("phase"), radial = m.number("radial"),
+                around = goingRound(m)](const Condition& c, Distortion& d) {
+           d.travel[j] += std::asin(std::sin(angle) * std::sin(harmonic * c.drive[j] + phase));
+           d.shift[j] += radial * around(c);
+         });
        }},
+      // the axis' direction wobbles as the bearing turns
       {"rotary_wobble",
-       {{"joint", Key::kRotary, ""}, {"harmonic", Key::kWord, "1"}},
+       {{"joint", Key::kRotary}, {"harmonic", Key::kWord, "1"}},
        {{"angle", "rad", 4.0 * kArcsecond, 40.0 * kArcsecond}, {"phase", "turn", 0.01, 6.28}},
-       Probe::kAny,
-       false,
-       [](const HiddenSource& s, Workshop& w, Random&) {
-         const int j = joint(s, w, "joint");
-         const auto [first, second] = across(w.chain.axis(j));
-         add<Wobble>(w, j, std::stoi(s.key("harmonic")), s.number("angle"), s.number("phase"), first, second);
+       [](const Making& m) {
+         m.add([j = m.joint("joint"), angle = m.number("angle"), around = goingRound(m)](
+                   const Condition& c, Distortion& d) { d.tilt[j] += angle * around(c); });
        }},
   };
 }
 
-}  // namespace mm
+}  // namespace mm::source_kinds

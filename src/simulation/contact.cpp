@@ -13,41 +13,47 @@ constexpr double kLookBack = 20e-6;  // m that heat may move a contact while the
 
 }  // namespace
 
-double SimulatedMachine::clearance(const Segment& segment, double part, int feature,
-                                   Eigen::Vector3d* normal) const {
+double SimulatedMachine::jointRepeatability(std::size_t joint) const {
+  return machine_.joints()[joint].kind == JointKind::kLinear ? settings_.noise.repeatability
+                                                             : settings_.noise.angularRepeatability;
+}
+
+SimulatedMachine::Clearance SimulatedMachine::clearance(const Segment& segment, double part,
+                                                        int feature) const {
   std::vector<double> at(segment.from.size());
   for (std::size_t j = 0; j < at.size(); ++j)
     at[j] = segment.from[j] + part * (segment.to[j] - segment.from[j]);
   const double time = time_ + part * segment.duration;
   const Condition now = condition(at, time);
-  const ProbePose tip = chain_.pose(now.slide, physics_.distortion(now));
+  const ProbePose pose = chain_.pose(now.slide, physics_.distortion(now));
   const double artifactTemperature = now.bodies[physics_.artifactBody];
-  const Eigen::Vector3d centre = physics_.artifact.centre(feature, artifactTemperature);
-  const Eigen::Vector3d from = tip.position + tip.orientation * offset_ - centre;
+  Clearance clearance;
+  clearance.tip = pose.position + pose.orientation * offset_;
+  const Eigen::Vector3d from = clearance.tip - physics_.artifact.centre(feature, artifactTemperature);
   const double distance = from.norm();
-  const Eigen::Vector3d outward = from / distance;
-  if (normal != nullptr) *normal = outward;
-  const double preTravel = physics_.probe.preTravel(-(tip.orientation.transpose() * outward));
-  return distance -
-         (physics_.artifact.radius(feature, outward, artifactTemperature) + artifact_.tipRadiusOf(stylus_) +
-          physics_.probe.radiusError - physics_.probe.wear * time - preTravel);
+  clearance.normal = from / distance;
+  clearance.preTravel = physics_.probe.preTravel(-(pose.orientation.transpose() * clearance.normal));
+  clearance.left = distance - (physics_.artifact.radius(feature, clearance.normal, artifactTemperature) +
+                               artifact_.tipRadiusOf(stylus_) + physics_.probe.radiusError -
+                               physics_.probe.wear * time - clearance.preTravel);
+  return clearance;
 }
 
 std::optional<double> SimulatedMachine::findContact(const Segment& segment, int feature, double from) const {
   // March by the distance that is left (the tip cannot be faster than straight at the ball), then bisect.
   const double length = (chain_.nominal(segment.to).position - chain_.nominal(segment.from).position).norm();
   if (length == 0.0) return std::nullopt;
-  double before = from, after = from, left = clearance(segment, from, feature, nullptr);
+  double before = from, after = from, left = clearance(segment, from, feature).left;
   if (left <= 0.0) return from;
   while (left > 0.0) {
     if (after >= 1.0) return std::nullopt;
     before = after;
     after = std::min(1.0, after + std::max(0.9 * left, kShortest) / length);
-    left = clearance(segment, after, feature, nullptr);
+    left = clearance(segment, after, feature).left;
   }
   for (int i = 0; i < 40; ++i) {
     const double middle = 0.5 * (before + after);
-    (clearance(segment, middle, feature, nullptr) > 0.0 ? before : after) = middle;
+    (clearance(segment, middle, feature).left > 0.0 ? before : after) = middle;
   }
   return 0.5 * (before + after);
 }
@@ -68,9 +74,7 @@ Trip SimulatedMachine::latch(const Segment& segment, double part, int feature) {
     if (velocity != 0.0) trip.travel[j] = velocity > 0.0 ? 1.0 : -1.0;
     trip.position[j] =
         segment.from[j] + part * (segment.to[j] - segment.from[j]) + velocity * physics_.probe.triggerDelay;
-    const bool linear = machine_.joints()[j].kind == JointKind::kLinear;
-    trip.position[j] += noise_.next(
-        static_cast<int>(j), linear ? settings_.noise.repeatability : settings_.noise.angularRepeatability);
+    trip.position[j] += noise_.next(static_cast<int>(j), jointRepeatability(j));
   }
   // An outlier (dirt, vibration) is a trip too early or too late: along the motion.
   const double late =
@@ -79,19 +83,10 @@ Trip SimulatedMachine::latch(const Segment& segment, double part, int feature) {
     for (std::size_t j = 0; j < trip.position.size(); ++j)
       trip.position[j] += (segment.to[j] - segment.from[j]) / motion.norm() * late;
   for (std::size_t j = 0; j < trip.position.size(); ++j)
-    trip.position[j] = noise_.read(trip.position[j], machine_.joints()[j].kind == JointKind::kLinear
-                                                         ? settings_.noise.repeatability
-                                                         : settings_.noise.angularRepeatability);
-  Eigen::Vector3d normal;
-  clearance(segment, part, feature, &normal);
-  std::vector<double> at(segment.from.size());
-  for (std::size_t j = 0; j < at.size(); ++j)
-    at[j] = segment.from[j] + part * (segment.to[j] - segment.from[j]);
-  const Condition now = condition(at, trip.time);
-  const ProbePose tip = chain_.pose(now.slide, physics_.distortion(now));
-  trip.push = -normal;
-  trip.truePosition = tip.position + tip.orientation * offset_ +
-                      physics_.probe.preTravel(-(tip.orientation.transpose() * normal)) * normal;
+    trip.position[j] = noise_.read(trip.position[j], jointRepeatability(j));
+  const Clearance contact = clearance(segment, part, feature);
+  trip.push = -contact.normal;
+  trip.truePosition = contact.tip + contact.preTravel * contact.normal;
   return trip;
 }
 
@@ -140,8 +135,7 @@ std::optional<Trip> SimulatedMachine::readLaser(int feature) {
   trip.travel = travel_;
   trip.position = drive_;
   for (std::size_t j = 0; j < drive_.size(); ++j) {
-    const bool linear = machine_.joints()[j].kind == JointKind::kLinear;
-    const double size = linear ? settings_.noise.repeatability : settings_.noise.angularRepeatability;
+    const double size = jointRepeatability(j);
     trip.position[j] = noise_.read(trip.position[j] + noise_.next(static_cast<int>(j), size), size);
   }
   trip.approach = chain_.nominal(drive_).orientation.col(2);

@@ -309,7 +309,7 @@ HiddenSource hideSource(const std::string& text, const std::string& from, std::u
   source.type = kind.type;
   fillKeys(kind, written, where, random, workshop, source);
   fillNumbers(kind, written, where, random, workshop, source);
-  kind.build(source, workshop, random);
+  kind.build({source, workshop, random});
   return source;
 }
 

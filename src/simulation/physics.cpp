@@ -14,7 +14,7 @@ double TrueCovariate::at(double time) const {
 
 Distortion Physics::distortion(const Condition& condition) const {
   Distortion sum(static_cast<int>(condition.drive.size()));
-  for (const SourcePtr& source : sources) source->apply(condition, sum);
+  for (const Source& source : sources) source(condition, sum);
   return sum;
 }
 

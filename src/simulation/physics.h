@@ -22,7 +22,7 @@ struct TrueCovariate {
 
 /// Everything that is wrong with one instrument.
 struct Physics {
-  std::vector<SourcePtr> sources;
+  std::vector<Source> sources;
   std::vector<double> gap;  // play of each joint, m or rad
   SeatedProbe probe;
   LaserProbe laser;

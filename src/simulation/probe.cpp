@@ -57,9 +57,4 @@ double LaserProbe::distanceOf(double reading, double cosine) const {
   return reading * (1.0 + scale) + incidence * (1.0 - cosine * cosine);
 }
 
-void LaserMount::apply(const Condition&, Distortion& distortion) const {
-  distortion.probeShift += zero_;
-  distortion.beamTilt += beam_;
-}
-
 }  // namespace mm

@@ -1,8 +1,6 @@
 #pragma once
 #include <Eigen/Core>
 
-#include "simulation/source.h"
-
 namespace mm {
 
 /// A touch probe whose stylus carrier rests on seats: it trips later where the seats resist more (lobing).
@@ -36,17 +34,6 @@ struct LaserProbe {
   double read(double distance, double cosine) const;
   /// The true distance (m) of a reading.
   double distanceOf(double reading, double cosine) const;
-};
-
-/// The laser's zero and beam stand differently in the head than the drawing says.
-class LaserMount : public Source {
- public:
-  /// @param zero m and @param beam rad, axes of probe_tip.
-  LaserMount(Eigen::Vector3d zero, Eigen::Vector3d beam) : zero_(zero), beam_(beam) {}
-  void apply(const Condition& condition, Distortion& distortion) const override;
-
- private:
-  Eigen::Vector3d zero_, beam_;
 };
 
 }  // namespace mm

@@ -32,9 +32,9 @@ std::vector<double> randomWaves(Random& random) {
 Profile::Profile(double lower, double upper, std::vector<double> values)
     : lower_(lower), upper_(upper > lower ? upper : lower + kNoTravel), values_(std::move(values)) {}
 
-Profile Profile::waves(double lower, double upper, double size, Trend trend, Random& random) {
+Profile Profile::waves(double lower, double upper, double size, Random& random) {
   Profile profile(lower, upper, randomWaves(random));
-  if (trend == Trend::kRemove) profile.removeTrend();
+  profile.removeTrend();
   profile.scaleTo(size);
   return profile;
 }
@@ -49,7 +49,7 @@ Profile Profile::integratedWaves(double lower, double upper, double size, Random
 }
 
 Profile Profile::rise(double lower, double upper, double size, Random& random) {
-  Profile profile = waves(lower, upper, 0.12, Trend::kRemove, random);
+  Profile profile = waves(lower, upper, 0.12, random);
   for (int i = 0; i < kPoints; ++i)
     profile.values_[i] = size * (profile.values_[i] + 2.0 * i / (kPoints - 1.0) - 1.0);
   return profile;
@@ -71,7 +71,6 @@ void Profile::scaleTo(double size) {
 }
 
 double Profile::at(double travel) const {
-  if (values_.empty()) return 0.0;
   const double steps = static_cast<double>(values_.size() - 1);
   const double x = std::clamp((travel - lower_) / (upper_ - lower_), 0.0, 1.0) * steps;
   const std::size_t i = std::min(static_cast<std::size_t>(x), values_.size() - 2);

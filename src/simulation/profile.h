@@ -9,11 +9,9 @@ namespace mm {
 /// waves of falling amplitude, tabulated finely. Beyond the range it goes on with its last value.
 class Profile {
  public:
-  enum class Trend { kKeep, kRemove };
-
-  Profile() = default;
-  /// Waves over [lower, upper] (m or rad of travel). @param size largest magnitude within the range.
-  static Profile waves(double lower, double upper, double size, Trend trend, Random& random);
+  /// Waves over [lower, upper] (m or rad of travel), without a trend. @param size largest magnitude within
+  /// the range.
+  static Profile waves(double lower, double upper, double size, Random& random);
   /// The integral along the travel of such a curve, as a pitch error is that of the lead's; its trend is
   /// removed.
   static Profile integratedWaves(double lower, double upper, double size, Random& random);

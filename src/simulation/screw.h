@@ -1,5 +1,4 @@
 #pragma once
-#include "simulation/profile.h"
 #include "simulation/source.h"
 
 namespace mm {
@@ -23,38 +22,7 @@ class Play {
 };
 
 /// Periodic lead variation: the lead's deviation along the screw, with a second harmonic, summed up over the
-/// travel.
-class PeriodicLead : public Source {
- public:
-  /// @param amplitude m, of the position error; @param period m of travel.
-  PeriodicLead(int joint, double amplitude, double period, double phase);
-  void apply(const Condition& condition, Distortion& distortion) const override;
-
- private:
-  int joint_;
-  double rate_, wave_, phase_;
-};
-
-/// Slow cumulated lead error of a screw or scale: the integral of a wandering lead.
-class CumulatedLead : public Source {
- public:
-  CumulatedLead(int joint, Profile profile) : joint_(joint), profile_(std::move(profile)) {}
-  void apply(const Condition& condition, Distortion& distortion) const override;
-
- private:
-  int joint_;
-  Profile profile_;
-};
-
-/// Wrong mean lead, or scale.
-class ScaleError : public Source {
- public:
-  ScaleError(int joint, double scale) : joint_(joint), scale_(scale) {}
-  void apply(const Condition& condition, Distortion& distortion) const override;
-
- private:
-  int joint_;
-  double scale_;
-};
+/// travel. @param amplitude m, of the position error. @param period m of travel. @param phase rad.
+Source periodicLead(int joint, double amplitude, double period, double phase);
 
 }  // namespace mm

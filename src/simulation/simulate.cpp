@@ -168,8 +168,7 @@ class Recorder {
       std::fill(o.velocity.begin(), o.velocity.end(), kNotMeasured);
       std::fill(o.travel.begin(), o.travel.end(), 0.0);
     }
-    result_.states.push_back({trip->time, trip->position, trip->velocity, trip->travel, trip->approach,
-                              trip->push, trip->laserReading, trip->incidenceCosine});
+    result_.states.push_back(static_cast<const TrueState&>(*trip));
     result_.truePositions.push_back(trip->truePosition);
   }
 
@@ -272,8 +271,7 @@ void roughen(const Machine& machine, const Plan& plan, const InstrumentSettings&
     const Joint& joint = machine.joints()[j];
     Random wandering(seed, "rough drift " + joint.name);
     const double rms = rough.drift * (joint.kind == JointKind::kLinear ? size.linear : size.angular);
-    if (rms > 0.0)
-      physics.sources.push_back(std::make_shared<Wander>(j, rms, rough.settlings, times, wandering));
+    if (rms > 0.0) physics.sources.emplace_back(Wander(j, rms, rough.settlings, times, wandering));
   }
 }
 

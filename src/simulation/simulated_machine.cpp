@@ -169,8 +169,8 @@ void SimulatedMachine::step(const std::vector<double>& target, const std::vector
   if (!settings_.laser.present)
     for (int f = 0; f < static_cast<int>(artifact_.features.size()); ++f) {
       if (artifact_.features[f].kind != FeatureKind::kBall) continue;
-      const bool before = clearance(segment, 0.0, f, nullptr) <= 0.0,
-                 after = clearance(segment, 1.0, f, nullptr) <= 0.0;
+      const bool before = clearance(segment, 0.0, f).left <= 0.0,
+                 after = clearance(segment, 1.0, f).left <= 0.0;
       touchesNow = touchesNow || after;
       if (before || !after || touching_ || trip_) continue;
       if (const std::optional<double> part = findContact(segment, f)) trip_ = latch(segment, *part, f);

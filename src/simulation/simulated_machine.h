@@ -13,17 +13,11 @@
 
 namespace mm {
 
-/// What the instrument latched when its probe tripped, or when its laser was read. SI units.
-struct Trip {
-  double time = 0.0;
-  std::vector<double> position, velocity, travel;      // readings, with noise
-  Eigen::Vector3d approach = Eigen::Vector3d::Zero();  // unit vector in workpiece, by the nominal chain
-  Eigen::Vector3d push =
-      Eigen::Vector3d::Zero();  // truly into the surface, unit vector in workpiece; touch only
-  double laserReading = std::numeric_limits<double>::quiet_NaN();
+/// What the instrument latched when its probe tripped, or when its laser was read: readings with noise, the
+/// approach by the nominal chain, the push of a touch. SI units.
+struct Trip : TrueState {
   int feature = -1;
   Eigen::Vector3d truePosition = Eigen::Vector3d::Zero();  // tip centre or surface point, workpiece
-  double incidenceCosine = 1.0;
 };
 
 /// The instrument: drives, slides, probe, sensors. It is moved segment by segment, or step by step by a
@@ -95,9 +89,14 @@ class SimulatedMachine {
   /// Where the drives really go for a commanded position.
   std::vector<double> travelNow() const;  // of each drive, -1 or +1; 0: it never moved
   std::vector<double> corrected(const std::vector<double>& command) const;
-  /// Distance (m) that is left until the tip touches, after a part (0 to 1) of the segment. Writes the
-  /// outward normal.
-  double clearance(const Segment& segment, double part, int feature, Eigen::Vector3d* normal) const;
+  /// The tip before a feature: distance (m) that is left until it touches, outward normal, its true centre.
+  struct Clearance {
+    double left = 0.0;
+    Eigen::Vector3d normal, tip;
+    double preTravel = 0.0;  // m
+  };
+  Clearance clearance(const Segment& segment, double part, int feature) const;  // part: 0 to 1
+  double jointRepeatability(std::size_t joint) const;                           // m or rad
   std::optional<double> findContact(const Segment& segment, int feature,
                                     double from = 0.0) const;  // parts of the segment
   Trip latch(const Segment& segment, double part, int feature);

@@ -1,6 +1,6 @@
 #pragma once
 #include <Eigen/Core>
-#include <memory>
+#include <functional>
 #include <vector>
 
 namespace mm {
@@ -32,15 +32,8 @@ struct Distortion {
   Eigen::Vector3d beamTilt = Eigen::Vector3d::Zero();    // change of the beam's direction, axes of probe_tip
 };
 
-/// One physical cause of error.
-class Source {
- public:
-  virtual ~Source() = default;
-  /// Adds its share. Safe to call from several threads.
-  virtual void apply(const Condition& condition, Distortion& distortion) const = 0;
-};
-
-using SourcePtr = std::shared_ptr<const Source>;
+/// One physical cause of error: adds its share. Safe to call from several threads.
+using Source = std::function<void(const Condition& condition, Distortion& distortion)>;
 
 /// Where a displacement goes: along a joint's own motion, or along x, y or z of workpiece.
 struct Direction {
@@ -52,6 +45,17 @@ struct Direction {
       distortion.travel[joint] += amount;
     else
       distortion.tipShift[component] += amount;
+  }
+};
+
+/// Where a small rotation goes: what a joint carries tips, or everything that carries the probe tips about
+/// workpiece's origin. It acts with its lever (Abbe).
+struct Tilt {
+  int joint = -1;         // -1: everything
+  Eigen::Vector3d about;  // unit vector in workpiece
+  /// Adds a rotation. @param angle rad.
+  void add(Distortion& distortion, double angle) const {
+    (joint >= 0 ? distortion.tilt[joint] : distortion.tipTilt) += about * angle;
   }
 };
 

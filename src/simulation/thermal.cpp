@@ -147,21 +147,4 @@ void TemperatureSensor::advance(double seconds, double bodyTemperature) {
       lag_ > 0.0 ? bodyTemperature + (value_ - bodyTemperature) * std::exp(-seconds / lag_) : bodyTemperature;
 }
 
-void ThermalGrowth::apply(const Condition& condition, Distortion& distortion) const {
-  direction_.add(distortion, perKelvin_ * (condition.bodies[body_] - kReferenceTemperature));
-}
-
-void ThermalExpansion::apply(const Condition& condition, Distortion& distortion) const {
-  distortion.travel[joint_] +=
-      perKelvin_ * condition.drive[joint_] * (condition.bodies[body_] - kReferenceTemperature);
-}
-
-void ThermalBending::apply(const Condition& condition, Distortion& distortion) const {
-  const Eigen::Vector3d tilt = about_ * (perKelvin_ * (condition.bodies[warm_] - condition.bodies[cold_]));
-  if (lever_ == Lever::kWorkpiece)
-    distortion.tipTilt += tilt;
-  else
-    distortion.tilt[joint_] += tilt;
-}
-
 }  // namespace mm

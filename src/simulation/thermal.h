@@ -3,8 +3,6 @@
 #include <vector>
 
 #include "base/random.h"
-#include "simulation/guideway.h"
-#include "simulation/source.h"
 
 namespace mm {
 
@@ -107,47 +105,6 @@ class TemperatureSensor {
   int body_;
   double lag_, noise_, offset_, step_;  // s, K; step 0: none
   double value_ = 20.0;
-};
-
-/// The structural loop grows with a body's temperature.
-class ThermalGrowth : public Source {
- public:
-  /// @param perKelvin m/K from 20 degC.
-  ThermalGrowth(int body, Direction direction, double perKelvin)
-      : body_(body), direction_(direction), perKelvin_(perKelvin) {}
-  void apply(const Condition& condition, Distortion& distortion) const override;
-
- private:
-  int body_;
-  Direction direction_;
-  double perKelvin_;
-};
-
-/// A screw or scale expands from its fixed end, which is at the axis' zero.
-class ThermalExpansion : public Source {
- public:
-  ThermalExpansion(int body, int joint, double perKelvin)
-      : body_(body), joint_(joint), perKelvin_(perKelvin) {}
-  void apply(const Condition& condition, Distortion& distortion) const override;
-
- private:
-  int body_, joint_;
-  double perKelvin_;  // 1/K
-};
-
-/// A column warmer on one side than on the other bends and tips what it carries.
-class ThermalBending : public Source {
- public:
-  /// @param warm, cold bodies. @param about unit vector in workpiece. @param perKelvin rad/K.
-  ThermalBending(int warm, int cold, int joint, Eigen::Vector3d about, Lever lever, double perKelvin)
-      : warm_(warm), cold_(cold), joint_(joint), about_(about), lever_(lever), perKelvin_(perKelvin) {}
-  void apply(const Condition& condition, Distortion& distortion) const override;
-
- private:
-  int warm_, cold_, joint_;
-  Eigen::Vector3d about_;
-  Lever lever_;
-  double perKelvin_;
 };
 
 }  // namespace mm

@@ -50,7 +50,9 @@ std::string filledIn(std::string text, const HiddenSource& source) {
   return text;
 }
 
-void build(const UncataloguedKind& kind, const HiddenSource& source, Workshop& w) {
+void build(const UncataloguedKind& kind, const Making& m) {
+  const HiddenSource& source = m.source;
+  const Workshop& w = m.workshop;
   const Quantity shape = kind.shape(Setting(source, w));
   const Spread spread = spreadOf(shape, w.visits());
   // Nearly constant: what little it varies would be blown up to the size asked for.
@@ -62,14 +64,14 @@ void build(const UncataloguedKind& kind, const HiddenSource& source, Workshop& w
   const Quantity error = [shape, factor, mean = spread.mean](const Condition& c) {
     return factor * (shape(c) - mean);
   };
-  if (kind.along == Along::kApproach) {
-    w.physics.sources.push_back(std::make_shared<ApproachError>(error, linearAxes(w)));
-    return;
-  }
-  const std::string name = directionName(kind, source, w.machine, w.chain);
-  const int joint = w.machine.findJoint(name);
-  const Direction direction{joint, joint >= 0 ? -1 : name[0] - 'x'};
-  w.physics.sources.push_back(std::make_shared<ShapedError>(error, direction));
+  if (kind.along == Along::kApproach)  // the tip is farther on than it says
+    return m.add([error, axes = linearAxes(w)](const Condition& c, Distortion& d) {
+      const Eigen::Vector3d motion = tipMotion(axes, c);
+      const double speed = motion.norm();
+      if (speed > 0.0) d.tipShift += error(c) / speed * motion;
+    });
+  m.add([error, direction = directionOf(w.machine, directionName(kind, source, w.machine, w.chain))](
+            const Condition& c, Distortion& d) { direction.add(d, error(c)); });
 }
 
 /// Only a probe that is moving when it measures has a speed and a way by which it comes.
@@ -81,16 +83,6 @@ bool needsMotion(const UncataloguedKind& kind) {
 }
 
 }  // namespace
-
-void ShapedError::apply(const Condition& condition, Distortion& distortion) const {
-  direction_.add(distortion, error_(condition));
-}
-
-void ApproachError::apply(const Condition& condition, Distortion& distortion) const {
-  const Eigen::Vector3d motion = tipMotion(axes_, condition);
-  const double speed = motion.norm();
-  if (speed > 0.0) distortion.tipShift += error_(condition) / speed * motion;
-}
 
 bool isUncatalogued(const std::string& type) { return type.rfind("uncatalogued_", 0) == 0; }
 
@@ -107,14 +99,10 @@ const std::vector<SourceKind>& uncataloguedSourceKinds() {
   static const std::vector<SourceKind> kinds = [] {
     std::vector<SourceKind> list;
     for (const UncataloguedKind& kind : uncataloguedKinds()) {
-      SourceKind rule;
-      rule.type = kind.type;
-      rule.keys = kind.keys;
-      rule.numbers = {{"size", "m", 1e-6, 4e-6, true}};
-      rule.numbers.insert(rule.numbers.end(), kind.shapeNumbers.begin(), kind.shapeNumbers.end());
-      rule.probe = needsMotion(kind) ? SourceKind::Probe::kTouch : SourceKind::Probe::kAny;
-      rule.build = [kind](const HiddenSource& source, Workshop& w, Random&) { build(kind, source, w); };
-      list.push_back(std::move(rule));
+      std::vector<SourceKind::NumberRule> numbers = {{"size", "m", 1e-6, 4e-6, true}};
+      numbers.insert(numbers.end(), kind.shapeNumbers.begin(), kind.shapeNumbers.end());
+      list.push_back({kind.type, kind.keys, numbers, [&kind](const Making& m) { build(kind, m); },
+                      needsMotion(kind) ? SourceKind::Probe::kTouch : SourceKind::Probe::kAny});
     }
     return list;
   }();

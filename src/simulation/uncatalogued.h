@@ -48,29 +48,4 @@ UncataloguedTruth uncataloguedTruth(const HiddenSource& source, const Machine& m
 /// them. Their size is the RMS along their direction over the measurements of the session, without its mean.
 const std::vector<SourceKind>& uncataloguedSourceKinds();
 
-/// An error of any shape along one direction.
-class ShapedError : public Source {
- public:
-  ShapedError(Quantity error, Direction direction) : error_(std::move(error)), direction_(direction) {}
-  void apply(const Condition& condition, Distortion& distortion) const override;
-
- private:
-  Quantity error_;  // m
-  Direction direction_;
-};
-
-/// An error of any shape along the way the probe comes: the tip is farther on than it says. None at
-/// standstill.
-class ApproachError : public Source {
- public:
-  /// @param axes of each joint in workpiece, zero for those that do not carry the tip straight.
-  ApproachError(Quantity error, std::vector<Eigen::Vector3d> axes)
-      : error_(std::move(error)), axes_(std::move(axes)) {}
-  void apply(const Condition& condition, Distortion& distortion) const override;
-
- private:
-  Quantity error_;  // m
-  std::vector<Eigen::Vector3d> axes_;
-};
-
 }  // namespace mm

@@ -14,9 +14,7 @@ Kinds structure() {
        {kAxis, kAcross},
        {},
        {"[axis]", "[across]"},
-       [](const Setting& s) -> Quantity {
-         return [u = s.place("axis"), w = s.place("across")](const Condition& c) { return u(c) * w(c); };
-       }},
+       [](const Setting& s) { return s.place("axis") * s.place("across"); }},
       {"uncatalogued_table_sag",
        "a table on two supports sags under a mass that travels between them and leans over to one side",
        Along::kThird,
@@ -113,20 +111,14 @@ Kinds friction() {
        {kLevelAxis, kSensor},
        {},
        {"[axis] travel direction", "temperature [sensor]"},
-       [](const Setting& s) -> Quantity {
-         return [side = s.side("axis"), warmth = s.warmth("sensor")](const Condition& c) {
-           return side(c) * warmth(c);
-         };
-       }},
+       [](const Setting& s) { return s.side("axis") * s.warmth("sensor"); }},
       {"uncatalogued_friction_lever",
        "friction drags the carriage askew, with the arm at which the tip stands",
        Along::kOwnAxis,
        {kLevelAxis, kAcross},
        {},
        {"[axis] travel direction", "[across]"},
-       [](const Setting& s) -> Quantity {
-         return [side = s.side("axis"), w = s.place("across")](const Condition& c) { return side(c) * w(c); };
-       }},
+       [](const Setting& s) { return s.side("axis") * s.place("across"); }},
       {"uncatalogued_stick_slip",
        "dry friction winds the drive up at low speed and lets go at higher (Stribeck)",
        Along::kOwnAxis,
@@ -153,16 +145,14 @@ Kinds friction() {
        {kLevelAxis, kSideways},
        {},
        {"[axis] travel direction"},
-       [](const Setting& s) -> Quantity { return s.side("axis"); }},
+       [](const Setting& s) { return s.side("axis"); }},
       {"uncatalogued_drive_yaw",
        "viscous drag beside the drive turns the carriage, with the arm at which the tip stands",
        Along::kOwnAxis,
        {kLevelAxis, kAcross},
        {},
        {"[axis] speed", "[across]"},
-       [](const Setting& s) -> Quantity {
-         return [v = s.velocity("axis"), w = s.place("across")](const Condition& c) { return v(c) * w(c); };
-       }},
+       [](const Setting& s) { return s.velocity("axis") * s.place("across"); }},
       {"uncatalogued_grease_drag",
        "the grease thins as it warms, and the drive lags less",
        Along::kOwnAxis,

@@ -24,6 +24,10 @@ inline const SourceKind::KeyRule kAxis = {"axis", Key::kLinear, ""}, kLevelAxis 
                                  kDamp = {"covariate", Key::kCovariate, ""};
 inline const SourceKind::NumberRule kPhase = {"phase", "turn", 0.01, 6.28};
 
+/// The product of two quantities.
+inline Quantity operator*(Quantity a, Quantity b) {
+  return [a = std::move(a), b = std::move(b)](const Condition& c) { return a(c) * b(c); };
+}
 /// Radians of a part of a turn.
 inline double turns(double part) { return 2.0 * kPi * part; }
 

@@ -43,9 +43,7 @@ Kinds heat() {
        {kAnywhere, kSensor},
        {},
        {"temperature [sensor]"},
-       [](const Setting& s) -> Quantity {
-         return [warmth = s.warmth("sensor")](const Condition& c) { return warmth(c) * warmth(c); };
-       }},
+       [](const Setting& s) { return s.warmth("sensor") * s.warmth("sensor"); }},
       {"uncatalogued_hot_creep",
        "a glued joint gives way with time and yields to heat the more it has",
        Along::kDirection,
@@ -63,20 +61,14 @@ Kinds heat() {
        {kAnywhere, kSensor, kDamp},
        {},
        {"temperature [sensor]", "[covariate]"},
-       [](const Setting& s) -> Quantity {
-         return [warmth = s.warmth("sensor"), damp = s.moisture("covariate")](const Condition& c) {
-           return warmth(c) * damp(c);
-         };
-       }},
+       [](const Setting& s) { return s.warmth("sensor") * s.moisture("covariate"); }},
       {"uncatalogued_swollen_granite",
        "granite swells once more moisture is about than its seal keeps out",
        Along::kDirection,
        {kAnywhere, kDamp},
        {},
        {"[covariate]"},
-       [](const Setting& s) -> Quantity {
-         return [damp = s.moisture("covariate")](const Condition& c) { return damp(c) * damp(c); };
-       }},
+       [](const Setting& s) { return s.moisture("covariate") * s.moisture("covariate"); }},
       {"uncatalogued_damp_bow",
        "a granite table takes up moisture at its face and bows",
        Along::kDirection,
@@ -194,7 +186,7 @@ Kinds probe() {
        {kSensor},
        {},
        {"temperature [sensor]"},
-       [](const Setting& s) -> Quantity { return s.warmth("sensor"); }},
+       [](const Setting& s) { return s.warmth("sensor"); }},
       {"uncatalogued_worn_tip",
        "the tip wears off, quickly at first",
        Along::kApproach,

@@ -79,7 +79,7 @@ Wander::Wander(int joint, double rms, double settlings, const std::vector<double
 
 double Wander::at(double time) const { return between(value_, time / spacing_); }
 
-void Wander::apply(const Condition& condition, Distortion& distortion) const {
+void Wander::operator()(const Condition& condition, Distortion& distortion) const {
   distortion.travel[joint_] += at(condition.time);
 }
 

@@ -130,6 +130,24 @@ TEST(TargetLimits, TheParametersOwnUncertaintyIsExpectedAlongTheirAxis) {
   EXPECT_THAT(representabilityJson(r).at("along").size(), 3u);
 }
 
+TEST(TargetLimits, AnAxisThatNeverMovedHasNoFigures) {
+  Calibration c = with(EffectSpec("backlash").set("axis", "y"), "gap", 4e-6);
+  for (const int still : {0, 2}) c.domain.lower[still] = c.domain.upper[still] = 0.0;
+  Representability r = judged("linuxcnc", c);
+  EXPECT_THAT(r.notMoved, testing::ElementsAre("x", "z"));
+  EXPECT_THAT(representabilityText(r), HasSubstr("Not told along x, z: no axis moved there in the session."));
+  // one coordinate: half the gap, not its share of three; the mean of the places is taken out
+  EXPECT_NEAR(r.figures.uncorrected, 2e-6, 0.02e-6);
+  ASSERT_EQ(r.along.size(), 1u);
+  EXPECT_EQ(r.along[0].direction, "y");
+  // x stood still too; z errs without having moved
+  c = with(EffectSpec("thermal_growth").set("direction", "z").set("sensor", "bed"), "growth", 2e-6);
+  for (const int still : {0, 2}) c.domain.lower[still] = c.domain.upper[still] = 0.0;
+  r = judged("linuxcnc", c);
+  EXPECT_THAT(r.notMoved, testing::ElementsAre("x"));
+  EXPECT_EQ(r.along.back().direction, "z");
+}
+
 TEST(TargetLimits, FanucIsNeverGivenBytesOfOtherPurposes) {
   const Exported exported = written("fanuc", with(EffectSpec("scale").set("axis", "x"), "scale", 1e-4));
   for (const char* number : {"N01013", "N01020", "N01820", "N03605"}) {

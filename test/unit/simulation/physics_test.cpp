@@ -32,12 +32,12 @@ TEST(Play, HysteresisLoopHasTheFullGapAndAStandstillAfterReversal) {
 }
 
 TEST(PeriodicLead, RepeatsWithItsPeriodAndHasItsAmplitude) {
-  const PeriodicLead lead(0, 2e-6, 1e-3, 0.7);
+  const Source lead = periodicLead(0, 2e-6, 1e-3, 0.7);
   const auto error = [&](double q) {
     Condition c;
     c.drive = c.slide = {q};
     Distortion d(1);
-    lead.apply(c, d);
+    lead(c, d);
     return d.travel[0];
   };
   double low = 1.0, high = -1.0;

@@ -378,8 +378,8 @@ TEST(Roughness, WhatIsHiddenIsTheSameOnARoughMachine) {
         const auto& sources = drifting.truth->physics().sources;
         for (std::size_t k = 0; k < smooth.truth->physics().sources.size(); ++k) {
           Distortion a(3), b(3);
-          smooth.truth->physics().sources[k]->apply(now, a);
-          sources[k + 3]->apply(now, b);
+          smooth.truth->physics().sources[k](now, a);
+          sources[k + 3](now, b);
           EXPECT_EQ(a.travel, b.travel) << smooth.hidden[0].text();
           EXPECT_EQ(a.tipShift, b.tipShift) << smooth.hidden[0].text();
         }

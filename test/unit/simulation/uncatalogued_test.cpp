@@ -58,7 +58,7 @@ bool lists(const UncataloguedTruth& truth, const std::string& name) {
 /// The error along its direction; the joints of this machine are the axes of workpiece.
 double errorOf(const Source& source, const Condition& condition, const UncataloguedTruth& truth) {
   Distortion d(3);
-  source.apply(condition, d);
+  source(condition, d);
   const Eigen::Vector3d error = d.tipShift + Eigen::Vector3d(d.travel[0], d.travel[1], d.travel[2]);
   if (truth.direction != "approach") return error.dot(Eigen::Vector3d::Unit(truth.direction[0] - 'x'));
   return error.dot(
@@ -138,7 +138,7 @@ TEST(Uncatalogued, TheErrorDependsOnJustTheVariablesItStates) {
     const Simulation s = run(kind.type + "=2um", 11);
     const UncataloguedTruth truth = uncataloguedTruth(s.hidden[0], machine());
     ASSERT_EQ(s.truth->physics().sources.size(), 1u);
-    const Source& source = *s.truth->physics().sources[0];
+    const Source& source = s.truth->physics().sources[0];
     const auto expect = [&](double change, const std::string& name, bool stated) {
       if (stated)
         EXPECT_GT(change, kSomething) << s.hidden[0].text() << " by " << name;
@@ -169,12 +169,12 @@ TEST(Uncatalogued, TheErrorDependsOnJustTheVariablesItStates) {
 
 TEST(Uncatalogued, AnErrorByTheDirectionOfTravelIsTheSameAtEverySpeed) {
   const Simulation s = run("uncatalogued_reversal_heave:x/z=2um", 3);
-  const Source& source = *s.truth->physics().sources[0];
+  const Source& source = s.truth->physics().sources[0];
   const auto at = [&](double velocity) {
     Condition c = conditionsOf(s)[0];
     c.velocity = {velocity, 1e-3, -1e-3};
     Distortion d(3);
-    source.apply(c, d);
+    source(c, d);
     return d.travel[2];
   };
   EXPECT_NEAR(at(1e-3), at(4e-3), 1e-12);
@@ -193,8 +193,8 @@ TEST(Uncatalogued, WhatWasHiddenCanBeHiddenAgainAndScales) {
     const UncataloguedTruth truth = uncataloguedTruth(twice, machine());
     const double expected = std::abs(twice.numbers[0].value);
     for (std::size_t i = 0; i < conditions.size(); i += 37) {
-      const double one = errorOf(*first.truth->physics().sources[0], conditions[i], truth);
-      const double two = errorOf(*again.truth->physics().sources[0], conditions[i], truth);
+      const double one = errorOf(first.truth->physics().sources[0], conditions[i], truth);
+      const double two = errorOf(again.truth->physics().sources[0], conditions[i], truth);
       EXPECT_NEAR(two, 2.0 * one, 0.01 * expected) << twice.text();
     }
   }
