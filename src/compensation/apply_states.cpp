@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
+#include "base/format.h"
 #include "model/session_states.h"
 #include "session/contacts_csv.h"
 #include "session/csv_cells.h"
@@ -64,16 +64,10 @@ void onClockOf(const Calibration& calibration, Session& session) {
 }
 
 void append(std::string& out, const std::string& line, const Correction& c) {
-  char cells[160];
-  if (!c.corrected.position.allFinite()) {
-    std::snprintf(cells, sizeof cells, ",,,,,%d\n", c.valid ? 1 : 0);
-  } else {
-    const Eigen::Vector3d p = c.corrected.position * 1e3;
-    std::snprintf(cells, sizeof cells, ",%.9f,%.9f,%.9f,%.6g,%d\n", p.x(), p.y(), p.z(), c.sigma * 1e6,
-                  c.valid ? 1 : 0);
-  }
+  const Eigen::Vector3d p = c.corrected.position * 1e3;
   out += line;
-  out += cells;
+  out += p.allFinite() ? format(",%.9f,%.9f,%.9f,%.6g", p.x(), p.y(), p.z(), c.sigma * 1e6) : ",,,,";
+  out += c.valid ? ",1\n" : ",0\n";
 }
 
 }  // namespace

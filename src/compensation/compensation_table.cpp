@@ -8,11 +8,10 @@
 #include "compensation/middle_state.h"
 #include "effects/inputs.h"
 #include "machine/linear_inverse.h"
+#include "session/session.h"
 
 namespace mm {
 namespace {
-
-double between(double lower, double upper, double share) { return lower + share * (upper - lower); }
 
 std::set<int> travelsOf(const Model& model) {
   std::set<int> joints;
@@ -51,7 +50,7 @@ std::string compensationTable(const Compensator& compensator, int points) {
     for (const int joint : linear) {
       const std::size_t j = static_cast<std::size_t>(joint);
       const double share = static_cast<double>(rest % static_cast<std::size_t>(points)) / (points - 1);
-      state.position[j] = between(domain.lower[j], domain.upper[j], share);
+      state.position[j] = domain.lower[j] + share * (domain.upper[j] - domain.lower[j]);
       rest /= static_cast<std::size_t>(points);
     }
     State now = state;

@@ -1,11 +1,10 @@
 #include "compensation/compensator.h"
 
 #include <cmath>
-#include <cstdio>
-#include <limits>
 
 #include "base/error.h"
 #include "base/format.h"
+#include "base/names_of.h"
 #include "base/quantity_words.h"
 #include "base/rotation.h"
 #include "base/units.h"
@@ -29,12 +28,8 @@ Compensator::Compensator(const Calibration& calibration, Options options)
     throw InputError("margin of the calibrated volume is " + std::to_string(options_.margin) +
                      "; it must be 0 or more (0.1 is a tenth of the range)");
   const std::string name = "calibration '" + id_ + "'";
-  const std::vector<Joint>& joints = model_.machine().joints();
-  if (joints.size() != calibration.domain.joints.size())
+  if (allNames(model_.machine().joints()) != allNames(calibration.domain.joints))
     throw InputError(name + ": its URDF and its ranges disagree on the joints; calibrate again");
-  for (std::size_t j = 0; j < joints.size(); ++j)
-    if (joints[j].name != calibration.domain.joints[j].name)
-      throw InputError(name + ": its URDF and its ranges disagree on the joints; calibrate again");
   if (model_.parameterCount() != static_cast<int>(calibration.values.size()) ||
       calibration.covariance.rows() != model_.parameterCount() ||
       calibration.covariance.cols() != model_.parameterCount())
@@ -200,11 +195,9 @@ Correction Compensator::apply(const State& state, const MovingState* moved, Work
   };
   if (c.valid) note(past);
   if (c.tooOld) {
-    char age[160];
-    std::snprintf(age, sizeof age,
-                  "time %.6g s is outside the calibrated 0 to %.6g s: not applied: ", state.time, d.duration);
-    c.note.clear();
-    note(age + timed_);
+    c.note =
+        format("time %.6g s is outside the calibrated 0 to %.6g s: not applied: ", state.time, d.duration) +
+        timed_;
     if (c.valid) note(past);
   }
   return c;

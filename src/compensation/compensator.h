@@ -73,9 +73,8 @@ class Compensator {
   explicit Compensator(const Calibration& calibration) : Compensator(calibration, Options()) {}
   Compensator(const Calibration& calibration, Options options);
 
-  const std::string& id() const { return id_; }        ///< of the calibration
-  const Model& model() const { return model_; }        ///< its machine and effects
-  const Options& options() const { return options_; }  ///< as given, checked
+  const std::string& id() const { return id_; }  ///< of the calibration
+  const Model& model() const { return model_; }  ///< its machine and effects
 
   /// A state with a place for everything that the calibration knows, nothing of it known yet.
   State blankState() const;

@@ -1,13 +1,12 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 #include "base/dense.h"
-#include "base/error.h"
-#include "base/units.h"
+#include "base/format.h"
 #include "compensation/compensator.h"
+#include "machine/joint_units.h"
 #include "machine/linear_inverse.h"
 
 namespace mm {
@@ -32,12 +31,10 @@ std::string beyondLimits(const Machine& machine, const std::vector<double>& posi
   for (int j = 0; j < machine.jointCount(); ++j) {
     const Joint& joint = machine.joints()[j];
     if (!(joint.lower < joint.upper) || (position[j] >= joint.lower && position[j] <= joint.upper)) continue;
-    const bool rotary = joint.kind == JointKind::kRotary;
-    const double unit = rotary ? kDegree : kMillimetre;
-    char text[160];
-    std::snprintf(text, sizeof text, " would have to go to %.6g %s, its limits are %.6g to %.6g",
-                  position[j] / unit, rotary ? "deg" : "mm", joint.lower / unit, joint.upper / unit);
-    return "joint " + joint.name + text;
+    const JointUnit unit = readingUnit(joint);
+    return "joint " + joint.name +
+           format(" would have to go to %.6g %s, its limits are %.6g to %.6g", position[j] / unit.factor,
+                  unit.symbol, joint.lower / unit.factor, joint.upper / unit.factor);
   }
   return {};
 }

@@ -1,9 +1,8 @@
 #include "compensation/limits.h"
 
 #include <cmath>
-#include <cstdio>
-#include <limits>
 
+#include "base/format.h"
 #include "base/units.h"
 #include "effects/inputs.h"
 #include "session/session.h"
@@ -13,31 +12,42 @@ namespace {
 
 constexpr double kReadingSlack = 1e-6;  // m or rad: a joint that stood still may stand there again
 
-/// "x = 31.2 mm is outside -20 ... 20 mm", in the unit of people.
-std::string outside(const std::string& name, double value, double lower, double upper, double toUnit,
-                    const char* unit) {
-  char text[160];
-  std::snprintf(text, sizeof text,
-                " = %.7g%s is outside %.7g to %.7g%s, the calibrated range with its margin", value * toUnit,
-                unit, lower * toUnit, upper * toUnit, unit);
-  return name + text;
+}  // namespace
+
+/// "x = 31.2 mm is outside -20 to 20 mm, …", in the unit of people.
+std::string CalibratedLimits::Input::outside(double value, const char* remark) const {
+  return name + format(" = %.7g%s%s is outside %.7g to %.7g%s%s, the calibrated range with its margin",
+                       value * toUnit, unit, remark, lower * toUnit, upper * toUnit, unit, remark);
 }
 
-}  // namespace
+template <typename Answer>
+Answer CalibratedLimits::firstOf(const State& state, Answer (*ask)(const Input& input, double value)) const {
+  for (std::size_t s = 0; s < sensors_.size(); ++s)
+    if (Answer answer = ask(sensors_[s], state.temperature[s]); answer != Answer()) return answer;
+  for (std::size_t c = 0; c < covariates_.size(); ++c)
+    if (Answer answer = ask(covariates_[c], state.covariate[c]); answer != Answer()) return answer;
+  return {};
+}
 
 CalibratedLimits::CalibratedLimits(const Model& model, double margin) {
   const Domain& d = model.domain();
-  joints_ = d.joints;
   const auto widened = [margin](const std::string& name, double lower, double upper, double slack) {
     const double wider = margin * (upper - lower) + slack;
-    return Input{name, lower - wider, upper + wider, false};
+    return Input{name, lower - wider, upper + wider};
   };
-  for (std::size_t j = 0; j < d.joints.size(); ++j)
+  for (std::size_t j = 0; j < d.joints.size(); ++j) {
+    const bool rotary = d.joints[j].kind == JointKind::kRotary;
     readings_.push_back(widened(d.joints[j].name, d.lower[j], d.upper[j], kReadingSlack));
-  for (std::size_t s = 0; s < d.sensors.size(); ++s)
-    sensors_.push_back(widened(d.sensors[s], d.sensorLower[s], d.sensorUpper[s], 0.0));
+    readings_.back().toUnit = rotary ? 1.0 / kDegree : 1.0 / kMillimetre;
+    readings_.back().unit = rotary ? " deg" : " mm";
+  }
+  for (std::size_t s = 0; s < d.sensors.size(); ++s) {
+    sensors_.push_back(widened("temperature " + d.sensors[s], d.sensorLower[s], d.sensorUpper[s], 0.0));
+    sensors_.back().unit = " degC";
+  }
   for (std::size_t c = 0; c < d.covariates.size(); ++c)
-    covariates_.push_back(widened(d.covariates[c], d.covariateLower[c], d.covariateUpper[c], 0.0));
+    covariates_.push_back(
+        widened("covariate " + d.covariates[c], d.covariateLower[c], d.covariateUpper[c], 0.0));
   findUsed(model);
 }
 
@@ -61,45 +71,27 @@ void CalibratedLimits::findUsed(const Model& model) {
 }
 
 std::string CalibratedLimits::jointOutside(const State& state) const {
-  for (std::size_t j = 0; j < readings_.size(); ++j) {
-    const Input& r = readings_[j];
-    const bool rotary = joints_[j].kind == JointKind::kRotary;
-    if (state.position[j] < r.lower || state.position[j] > r.upper)
-      return outside(r.name, state.position[j], r.lower, r.upper, rotary ? 1.0 / kDegree : 1.0 / kMillimetre,
-                     rotary ? " deg" : " mm");
-  }
+  for (std::size_t j = 0; j < readings_.size(); ++j)
+    if (!readings_[j].has(state.position[j])) return readings_[j].outside(state.position[j]);
   return {};
 }
 
 std::string CalibratedLimits::inputOutside(const State& state) const {
-  for (std::size_t s = 0; s < sensors_.size(); ++s)
-    if (sensors_[s].used &&
-        (state.temperature[s] < sensors_[s].lower || state.temperature[s] > sensors_[s].upper))
-      return outside("temperature " + sensors_[s].name, state.temperature[s], sensors_[s].lower,
-                     sensors_[s].upper, 1.0, " degC");
-  for (std::size_t c = 0; c < covariates_.size(); ++c)
-    if (covariates_[c].used &&
-        (state.covariate[c] < covariates_[c].lower || state.covariate[c] > covariates_[c].upper))
-      return outside("covariate " + covariates_[c].name, state.covariate[c], covariates_[c].lower,
-                     covariates_[c].upper, 1.0, "");
-  return {};
+  return firstOf<std::string>(state, [](const Input& input, double value) {
+    return input.used && !input.has(value) ? input.outside(value) : std::string();
+  });
 }
 
 std::string CalibratedLimits::unusual(const State& state) const {
   for (std::size_t s = 0; s < sensors_.size(); ++s)
-    if (!sensors_[s].used &&
-        (state.temperature[s] < sensors_[s].lower || state.temperature[s] > sensors_[s].upper))
-      return outside("temperature " + sensors_[s].name, state.temperature[s], sensors_[s].lower,
-                     sensors_[s].upper, 1.0, " degC (the model does not use it)");
+    if (!sensors_[s].used && !sensors_[s].has(state.temperature[s]))
+      return sensors_[s].outside(state.temperature[s], " (the model does not use it)");
   return {};
 }
 
 bool CalibratedLimits::lost(const State& state) const {
-  for (std::size_t s = 0; s < sensors_.size(); ++s)
-    if (sensors_[s].used && !std::isfinite(state.temperature[s])) return true;
-  for (std::size_t c = 0; c < covariates_.size(); ++c)
-    if (covariates_[c].used && !std::isfinite(state.covariate[c])) return true;
-  return false;
+  return firstOf<bool>(state,
+                       [](const Input& input, double value) { return input.used && !std::isfinite(value); });
 }
 
 /// The joints of which the model needs the direction of travel, but nobody knows it, and what to do.
@@ -120,12 +112,10 @@ std::string CalibratedLimits::withoutTravel(const State& state) const {
 std::string CalibratedLimits::missing(const State& state) const {
   for (std::size_t j = 0; j < readings_.size(); ++j)
     if (!std::isfinite(state.position[j])) return "reading of joint " + readings_[j].name + " is not known";
-  for (std::size_t s = 0; s < sensors_.size(); ++s)
-    if (sensors_[s].used && !std::isfinite(state.temperature[s]))
-      return "temperature " + sensors_[s].name + " is not known";
-  for (std::size_t c = 0; c < covariates_.size(); ++c)
-    if (covariates_[c].used && !std::isfinite(state.covariate[c]))
-      return "covariate " + covariates_[c].name + " is not known";
+  std::string unknown = firstOf<std::string>(state, [](const Input& input, double value) {
+    return input.used && !std::isfinite(value) ? input.name + " is not known" : std::string();
+  });
+  if (!unknown.empty()) return unknown;
   if (const std::string unmoved = withoutTravel(state); !unmoved.empty()) return unmoved;
   for (std::size_t j = 0; j < readings_.size(); ++j)
     if (usesVelocity_[j] && !std::isfinite(state.velocity[j]))

@@ -29,14 +29,20 @@ class CalibratedLimits {
 
  private:
   struct Input {
-    std::string name;
+    std::string name;                 // for people: "temperature bed"
     double lower = 0.0, upper = 0.0;  // margin included
+    double toUnit = 1.0;              // of people
+    const char* unit = "";            // with a blank before it
     bool used = false;
+    bool has(double value) const { return !(value < lower || value > upper); }  ///< an unknown one, too
+    std::string outside(double value, const char* remark = "") const;           ///< in words
   };
+  /// Asks each temperature and covariate, with its value in that state, until one answers.
+  template <typename Answer>
+  Answer firstOf(const State& state, Answer (*ask)(const Input& input, double value)) const;
   std::string withoutTravel(const State& state) const;
   void findUsed(const Model& model);
 
-  std::vector<Joint> joints_;
   std::vector<Input> readings_, sensors_, covariates_;
   std::vector<bool> usesTravel_, usesVelocity_;  // a joint
   bool usesHistory_ = false, usesApproach_ = false, usesTime_ = false;

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <iterator>
 
 #include "base/error.h"
-#include "base/units.h"
+#include "base/format.h"
+#include "machine/joint_units.h"
 
 namespace mm {
 namespace {
@@ -26,25 +27,10 @@ ControllerSetup controllerSetup(const Machine& machine, AxisController::Paramete
 }
 
 std::string outcomeName(Outcome outcome) {
-  switch (outcome) {
-    case Outcome::kUnderWay:
-      return "under way";
-    case Outcome::kReached:
-      return "reached";
-    case Outcome::kTripped:
-      return "tripped";
-    case Outcome::kHeld:
-      return "held";
-    case Outcome::kLimit:
-      return "limit";
-    case Outcome::kAlarm:
-      return "alarm";
-    case Outcome::kStopped:
-      return "stopped";
-    case Outcome::kLost:
-      return "lost";
-  }
-  return "unknown";
+  static constexpr const char* kNames[] = {"under way", "reached", "tripped", "held",
+                                           "limit",     "alarm",   "stopped", "lost"};
+  const auto number = static_cast<std::size_t>(outcome);
+  return number < std::size(kNames) ? kNames[number] : "unknown";  // a plugin may say anything
 }
 
 AxesMotion timedMotion(const std::vector<double>& from, const std::vector<double>& to, double seconds) {
@@ -70,13 +56,11 @@ AxesMotion straightMotion(const std::vector<Joint>& joints, const std::vector<do
     if (joints[j].maxVelocity > 0.0) speed = std::min(speed, joints[j].maxVelocity);
     seconds = std::max(seconds, way / speed);
   }
-  if (seconds == 0.0) {
-    AxesMotion still;
-    still.target = to;
-    still.speed.assign(to.size(), 0.0);
-    return still;
-  }
-  return timedMotion(from, to, seconds);
+  if (seconds > 0.0) return timedMotion(from, to, seconds);
+  AxesMotion still;
+  still.target = to;
+  still.speed.assign(to.size(), 0.0);
+  return still;
 }
 
 void checkTarget(const std::vector<Joint>& joints, const std::vector<double>& target) {
@@ -88,28 +72,25 @@ void checkTarget(const std::vector<Joint>& joints, const std::vector<double>& ta
     if (!std::isfinite(target[j])) throw InputError("target of joint " + joint.name + " is not a number");
     if (!(joint.lower < joint.upper)) continue;
     if (target[j] >= joint.lower - kSlack && target[j] <= joint.upper + kSlack) continue;
-    const bool turns = joint.kind == JointKind::kRotary;
-    const double unit = turns ? kDegree : kMillimetre;
-    char text[160];
-    std::snprintf(text, sizeof text, "target %.6g %s is beyond the limits %.6g to %.6g of its URDF",
-                  target[j] / unit, turns ? "deg" : "mm", joint.lower / unit, joint.upper / unit);
-    throw InputError("joint " + joint.name + ": " + text);
+    const JointUnit unit = readingUnit(joint);
+    throw InputError("joint " + joint.name + ": " +
+                     format("target %.6g %s is beyond the limits %.6g to %.6g of its URDF",
+                            target[j] / unit.factor, unit.symbol, joint.lower / unit.factor,
+                            joint.upper / unit.factor));
   }
 }
 
 void checkSpeeds(const std::vector<Joint>& joints, const AxesMotion& motion) {
   for (std::size_t j = 0; j < joints.size() && j < motion.speed.size(); ++j) {
     const Joint& joint = joints[j];
-    const bool turns = joint.kind == JointKind::kRotary;
-    const double unit = turns ? kDegree : kMillimetre;
-    char text[160];
     if (!(motion.speed[j] >= 0.0) || !std::isfinite(motion.speed[j]))
       throw InputError("joint " + joint.name + ": its speed is not a number");
     if (!(joint.maxVelocity > 0.0) || motion.speed[j] <= joint.maxVelocity * (1.0 + kSlack)) continue;
-    std::snprintf(text, sizeof text,
-                  "would move at %.6g %s/s, its URDF allows %.6g; state a lower speed for this motion",
-                  motion.speed[j] / unit, turns ? "deg" : "mm", joint.maxVelocity / unit);
-    throw InputError("joint " + joint.name + " " + text);
+    const JointUnit unit = readingUnit(joint);
+    throw InputError(
+        "joint " + joint.name + " " +
+        format("would move at %.6g %s/s, its URDF allows %.6g; state a lower speed for this motion",
+               motion.speed[j] / unit.factor, unit.symbol, joint.maxVelocity / unit.factor));
   }
 }
 

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "base/units.h"
 
 namespace mm {
@@ -106,12 +107,10 @@ std::string textParameterOf(const ControllerSetup& setup, const std::string& nam
 
 void refuseUnknownParametersOf(const ControllerSetup& setup, const std::string& controller,
                                const std::vector<std::string>& known) {
-  std::string all;
-  for (const std::string& name : known) all += (all.empty() ? "" : ", ") + name;
   for (const auto& [name, value] : setup.parameters)
     if (std::count(known.begin(), known.end(), name) == 0)
       throw InputError("parameter '" + name + "' is not known to the " + controller +
-                       " controller; possible are " + all);
+                       " controller; possible are " + joined(known, ", "));
 }
 
 ProbeEdge seenEdge(const AxesState& state, bool closed, double period) {

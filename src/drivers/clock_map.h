@@ -12,7 +12,6 @@ class ClockMap {
  public:
   /// @param device s on the controller's clock, of a state. @param host s when it arrived.
   void add(double device, double host);
-  bool known() const { return known_; }  ///< a pair of times was added since the last reset
   /// s on the host's clock.
   double toHost(double device) const { return device + offset_; }
   /// s by which the last state arrived later than the fastest: how well `toHost` can be trusted, and how late

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <thread>
+#include <utility>
 
 #include "base/error.h"
+#include "base/format.h"
 
 namespace mm {
 namespace {
@@ -127,8 +128,7 @@ void GrblController::awaitReady(double seconds) {
 }
 
 void GrblController::requireSettings() const {
-  const auto inches = settings_.find(13);
-  if (inches != settings_.end() && inches->second != 0.0)
+  if (std::abs(setting(13)) > 0.0)
     throw InputError(link_->address() + ": the control reports in inches ($13=1), mm are needed; set $13=0");
 }
 
@@ -237,10 +237,9 @@ AxesState GrblController::poll(double) {
     finish(Outcome::kAlarm, "homing did not finish in time");
     if (!resetAsked_) endStop();
   } else if (!quiet && now - std::max({lastReport_, connected_, resetAt_.load()}) > silence_) {
-    char text[120];
-    std::snprintf(text, sizeof text, ": no status report for %.1f s; check its power supply and its cable",
-                  now - std::max(lastReport_, connected_));
-    throw Error(link_->address() + text);
+    throw Error(link_->address() +
+                format(": no status report for %.1f s; check its power supply and its cable",
+                       now - std::max(lastReport_, connected_)));
   }
   if (resetAsked_ && now - resetAt_ > kUnwelcome)
     throw Error(link_->address() + ": no response to a reset; check its power supply and its cable");
@@ -270,14 +269,9 @@ std::string GrblController::block(const std::vector<double>& target, const std::
     if (std::abs(way) < kNoWay) continue;
     square += way * way;
     const double shift = place < offset_.size() ? offset_[place] : 0.0;
-    char word[48];
-    std::snprintf(word, sizeof word, " %c%.4f", map_->letter(j), to - shift);
-    words += word;
+    words += format(" %c%.4f", map_->letter(j), to - shift);
   }
-  if (words.empty()) return {};
-  char feed[48];
-  std::snprintf(feed, sizeof feed, " F%.3f", 60.0 * std::sqrt(square) / seconds);
-  return words + feed;
+  return words.empty() ? words : words + format(" F%.3f", 60.0 * std::sqrt(square) / seconds);
 }
 
 // The stop that is under way would end what is begun now, or be forgotten.
@@ -349,10 +343,7 @@ void GrblController::moveOffLimit() {
       throw Error("which of the two limit switches of " + map_->names()[j] +
                   " is closed is unknown: grbl reports both as one, and the axis has been neither homed nor "
                   "moved from here; move it off by hand, then home");
-    char word[48];
-    std::snprintf(word, sizeof word, " %c%.4f", map_->letter(j),
-                  -state_.limitSwitch[j] * map_->sign(j) * offLimit_);
-    words += word;
+    words += format(" %c%.4f", map_->letter(j), -state_.limitSwitch[j] * map_->sign(j) * offLimit_);
   }
   if (words.empty()) throw Error("no axis stands on a limit switch");
   start(Task::kJog);
@@ -368,9 +359,7 @@ void GrblController::resetEmergencyStop() {
 
 std::vector<ProbeEdge> GrblController::takeProbeEdges() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  std::vector<ProbeEdge> edges;
-  edges.swap(edges_);
-  return edges;
+  return std::exchange(edges_, {});
 }
 
 // These take no lock but that of writing a byte. A feed hold does not end homing, a reset does.

@@ -86,6 +86,7 @@ class GrblController final : public AxisController {
   void endStop();
   void endReset();
   void requireNoStop() const;
+  double setting(int id) const;  // NaN: it was not told
   void requireSettings() const;
   std::string block(const std::vector<double>& target, const std::vector<double>& from, double seconds) const;
   void begin();

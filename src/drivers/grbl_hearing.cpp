@@ -193,12 +193,16 @@ void GrblController::endStopInAlarm() {
   finish(Outcome::kStopped);
 }
 
+double GrblController::setting(int id) const {
+  const auto found = settings_.find(id);
+  return found == settings_.end() ? std::nan("") : found->second;
+}
+
 double GrblController::deceleration() const {
   double seconds = 0.0;
   for (std::size_t j = 0; j < motion_.speed.size(); ++j) {
-    const auto found = settings_.find(120 + static_cast<int>(map_->place(j)));
-    if (found != settings_.end() && found->second > 0.0)
-      seconds = std::max(seconds, motion_.speed[j] / (found->second * map_->unit(j)));
+    const double acceleration = setting(120 + static_cast<int>(map_->place(j)));
+    if (acceleration > 0.0) seconds = std::max(seconds, motion_.speed[j] / (acceleration * map_->unit(j)));
   }
   return seconds;
 }
@@ -317,10 +321,6 @@ void GrblController::endStop() {
 
 Capabilities GrblController::capabilities() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  const auto setting = [&](int id) {
-    const auto found = settings_.find(id);
-    return found == settings_.end() ? std::nan("") : found->second;
-  };
   Capabilities can;
   can.feedHold = can.feedOverride = can.moveOffLimit = true;
   can.guardsPositioning = guard_;

@@ -116,7 +116,6 @@ std::optional<GrblReport> parseGrblReport(const std::string& line) {
     if (key == "MPos") report.machine = values;
     if (key == "WPos") report.work = values;
     if (key == "WCO") report.offset = values;
-    if (key == "FS" || key == "F") report.feed = values[0];
     if (key != "Ov") continue;
     if (values[0] < 0.0 || values[0] > kMostOverride) return std::nullopt;
     report.feedOverride = static_cast<int>(values[0]);

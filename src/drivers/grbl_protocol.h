@@ -27,7 +27,6 @@ struct GrblReport {
   int substate = -1;                  // of Hold and Door; of Alarm in grblHAL: its code
   std::vector<double> machine, work;  // MPos, WPos; empty: not in the report
   std::vector<double> offset;         // WCO; empty: not in this report
-  double feed = 0.0;                  // mm/min
   int feedOverride = 0;               // %; 0: not in this report
   std::string pins;                   // letters of Pn: X Y Z A B C: limit switches; P: probe
 

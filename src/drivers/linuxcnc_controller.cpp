@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
+#include <utility>
 
 #include "base/error.h"
+#include "base/format.h"
 
 namespace mm {
 namespace {
@@ -147,12 +148,8 @@ AxesState LinuxCncController::poll(double) {
   if (emergency && now - emergencySince_ > kStopRefused)
     throw Error("LinuxCNC does not enter its emergency stop; press the machine's emergency stop button");
   if (!last_) throw Error("LinuxCNC has given no state yet");
-  if (now - last_->time > silence_) {
-    char text[96];
-    std::snprintf(text, sizeof text, "LinuxCNC has reported no state for %.1f s; is it still running?",
-                  now - last_->time);
-    throw Error(text);
-  }
+  if (now - last_->time > silence_)
+    throw Error(format("LinuxCNC has reported no state for %.1f s; is it still running?", now - last_->time));
   if (now - beatAt_ > kLinkBeat) beat();
   AxesState state = state_;
   state.moving = task_ != Task::kNone || stopSaid_ > 0.0 || others_;
@@ -247,37 +244,27 @@ std::vector<std::string> LinuxCncController::motionLines(const AxesMotion& motio
   }
   if (linear + turning == 0.0 || !(seconds > 0.0)) return {};
   std::string line = motion.probing ? "mdi G38.3" + probingWords(way) : std::string(kModes) + " G53 G1";
-  char word[48];
-  for (std::size_t place = 0; place < way.size() && !motion.probing; ++place) {
-    if (way[place] == 0.0) continue;
-    std::snprintf(word, sizeof word, " %c%.6f", kControlLetters[place], to[place]);
-    line += word;
-  }
+  for (std::size_t place = 0; place < way.size() && !motion.probing; ++place)
+    if (way[place] != 0.0) line += format(" %c%.6f", kControlLetters[place], to[place]);
   // The feed is that of the linear axes where one moves, else that of the rotary ones (LinuxCNC, G94).
-  std::snprintf(word, sizeof word, " F%.6f", 60.0 * std::sqrt(linear > 0.0 ? linear : turning) / seconds);
-  if (!motion.probing) return {"mdi_mode", line + word};
-  return {"mdi_mode", std::string(kModes) + " #<_mm_r>=#[5210+20*#5220]", line + word};
+  line += format(" F%.6f", 60.0 * std::sqrt(linear > 0.0 ? linear : turning) / seconds);
+  if (!motion.probing) return {"mdi_mode", line};
+  return {"mdi_mode", std::string(kModes) + " #<_mm_r>=#[5210+20*#5220]", line};
 }
 
 // G38 takes work coordinates only (G54 to G59.3 with their rotation about Z, G92, the tool). So LinuxCNC
 // itself adds the way, turned by that rotation, to where it is in them (#5420 to #5425).
 std::string LinuxCncController::probingWords(const std::vector<double>& way) const {
   std::string words;
-  char word[96];
   const auto add = [&](char letter, int at, double along, double across) {
     if ((along == 0.0 && across == 0.0) || coordinates_.find(letter) == std::string::npos) return;
-    std::snprintf(word, sizeof word, " %c[#%d%+.6f*COS[#<_mm_r>]%+.6f*SIN[#<_mm_r>]]", letter, at, along,
-                  across);
-    words += word;
+    words += format(" %c[#%d%+.6f*COS[#<_mm_r>]%+.6f*SIN[#<_mm_r>]]", letter, at, along, across);
   };
   add('X', kHere, way[0], way[1]);
   add('Y', kHere + 1, way[1], -way[0]);
-  for (std::size_t place = 2; place < way.size(); ++place) {
-    if (way[place] == 0.0) continue;
-    std::snprintf(word, sizeof word, " %c[#%d%+.6f]", kControlLetters[place], kHere + static_cast<int>(place),
-                  way[place]);
-    words += word;
-  }
+  for (std::size_t place = 2; place < way.size(); ++place)
+    if (way[place] != 0.0)
+      words += format(" %c[#%d%+.6f]", kControlLetters[place], kHere + static_cast<int>(place), way[place]);
   return words;
 }
 

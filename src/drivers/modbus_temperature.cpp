@@ -92,7 +92,8 @@ void ModbusTemperatures::add(const std::string& name, SensorKeys& keys) {
   sensors_.push_back(sensor);
 }
 
-double ModbusTemperatures::readOne(const Sensor& sensor) {
+double ModbusTemperatures::readOne(std::size_t i) {
+  const Sensor& sensor = sensors_[i];
   const auto failed = [&](const char* doing) {
     const int cause = errno;
     const bool late = cause == ETIMEDOUT;
@@ -124,22 +125,9 @@ double ModbusTemperatures::readOne(const Sensor& sensor) {
                       ? modbus_read_input_registers(line_->context, sensor.first, count, registers.data())
                       : modbus_read_registers(line_->context, sensor.first, count, registers.data());
   if (got != count) throw failed("cannot be read");
-  return sensor.scale * registerValue(registers, sensor.layout) + sensor.offset;
-}
-
-std::vector<TemperatureReading> ModbusTemperatures::read() {
-  std::vector<TemperatureReading> readings;
-  for (const Sensor& sensor : sensors_) {
-    TemperatureReading reading;
-    try {
-      reading.value = readOne(sensor);
-      if (std::isnan(reading.value)) reading.wrong = address_ + ": its registers hold no number";
-    } catch (const std::exception& e) {
-      reading.wrong = e.what();
-    }
-    readings.push_back(std::move(reading));
-  }
-  return readings;
+  const double value = registerValue(registers, sensor.layout);
+  if (std::isnan(value)) throw Error(address_ + ": its registers hold no number");
+  return sensor.scale * value + sensor.offset;
 }
 
 }  // namespace mm

@@ -41,8 +41,6 @@ class ModbusTemperatures final : public TemperatureDevice {
   /// @throw InputError naming the sensor: its keys, or a line that another sensor has with other settings.
   void add(const std::string& name, SensorKeys& keys);
   const std::string& device() const { return settings_.device; }  ///< `/dev/ttyUSB0`
-  std::string where() const override { return address_; }
-  std::vector<TemperatureReading> read() override;
 
  private:
   struct Line;
@@ -52,7 +50,7 @@ class ModbusTemperatures final : public TemperatureDevice {
     RegisterLayout layout;
     double scale = 1.0, offset = 0.0;
   };
-  double readOne(const Sensor& sensor);
+  double readOne(std::size_t sensor) override;
 
   std::string address_;
   ModbusLine settings_;

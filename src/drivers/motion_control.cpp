@@ -1,8 +1,7 @@
 #include "drivers/motion_control.h"
 
-#include <cstdio>
-
 #include "base/error.h"
+#include "base/format.h"
 
 namespace mm {
 namespace {
@@ -68,11 +67,7 @@ void MotionControl::withDevice(const std::function<void()>& call) const {
   call();
 }
 
-std::string MotionControl::shortSeconds(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2g s", value);
-  return text;
-}
+std::string MotionControl::shortSeconds(double value) { return format("%.2g s", value); }
 
 MotionControl::EndOfMotion::~EndOfMotion() {
   {
@@ -161,7 +156,7 @@ void MotionControl::stop(const std::string& who) {
   sendStop();
   changed_.notify_all();
   std::unique_lock<std::mutex> lock(mutex_);
-  if (awaitRest(lock, settings_.restTimeout)) return;
+  if (awaitRest(lock)) return;
   throw Error("stop was sent, but it is unknown whether the axes have stopped" +
               (lost_.empty() ? std::string() : ": " + lost_) + "; use the emergency stop");
 }

@@ -129,19 +129,6 @@ class MotionControl {
     Outcome forced = Outcome::kUnderWay;  // why it was ended from here
     std::string why;
   };
-  /// A reason not to believe a state, and what follows from it.
-  struct Doubt {
-    std::string (MotionControl::*words)(const AxesState& state);  // empty: it does not apply
-    // @return whether what moves must be told to stop.
-    bool (MotionControl::*then)(const AxesState& state, const std::string& why);
-  };
-  /// A reason to end what moves, whatever its controller says.
-  struct Ending {
-    Outcome outcome;
-    std::string (MotionControl::*words)(const Observation& seen);  // empty: it does not apply
-  };
-  static const std::vector<Doubt> kDoubts;
-  static const std::vector<Ending> kEndings;
 
   /// Frees the axes for the next who asks, however a motion ends.
   struct EndOfMotion {
@@ -159,16 +146,10 @@ class MotionControl {
   void loseDevice(const std::string& why);
   bool weigh(Observation& seen, double host);
   void takeReset();
-  std::string impossibleWords(const AxesState& state);
-  std::string oldWords(const AxesState& state);
-  std::string settlingWords(const AxesState& state);
-  bool loseBy(const AxesState& state, const std::string& why);
-  bool awaitSettled(const AxesState& state, const std::string& why);
-  std::string pauseWords(const Observation& seen);
-  std::string leaseWords(const Observation& seen);
-  std::string forbiddenWords(const Observation& seen);
+  void endByReason(const Observation& seen);
+  std::string pauseWords() const;
   std::string probeWords(const Observation& seen);
-  std::string lateWords(const Observation& seen);
+  std::string lateWords(const AxesState& state) const;
   bool awaitEnd(std::unique_lock<std::mutex>& lock, std::uint32_t stopsSeen, const Watch& watch);
   void lose(const std::string& why, bool zeroInDoubt);
   void regain();
@@ -180,7 +161,7 @@ class MotionControl {
   void force(Outcome outcome, const std::string& why);
   void sendStop();
   bool atRest() const;
-  bool awaitRest(std::unique_lock<std::mutex>& lock, double seconds);
+  bool awaitRest(std::unique_lock<std::mutex>& lock);
   void countStop(const std::string& who);
   std::string stoppedBy() const;
   bool emergency() const { return emergencies_ != undone_; }

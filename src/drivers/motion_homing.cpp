@@ -99,7 +99,7 @@ void MotionControl::awaitHoming(const std::vector<std::size_t>& stage, std::uint
   lock.unlock();
   sendStop();
   lock.lock();
-  awaitRest(lock, settings_.restTimeout);
+  awaitRest(lock);
   throw Error("homing did not end: " + why);
 }
 

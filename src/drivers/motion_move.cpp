@@ -1,11 +1,11 @@
 // One motion, from the request to its outcome.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "base/error.h"
-#include "base/units.h"
+#include "base/format.h"
 #include "drivers/motion_control.h"
+#include "machine/joint_units.h"
 
 namespace mm {
 
@@ -60,19 +60,15 @@ MotionControl::Report MotionControl::move(AxesMotion motion, const Mover& mover,
     lock.unlock();
     sendStop();
     lock.lock();
-    const bool rests = awaitRest(lock, settings_.restTimeout);
-    if (!rests && current_)
+    if (!awaitRest(lock))
       current_->why += "; it is unknown whether the axes have stopped" + (lost_.empty() ? "" : ": " + lost_);
   }
-  if (current_) {
-    const Outcome end = current_->forced == Outcome::kUnderWay ? state_.outcome : current_->forced;
-    if (end == Outcome::kTripped || end == Outcome::kReached) touched_ = end == Outcome::kTripped;
-  }
-  if (motion.probing && current_) {
-    const bool tripped = current_->forced == Outcome::kUnderWay && state_.outcome == Outcome::kTripped;
-    if (tripped) unsuccessful_ = 0;
-    if (!tripped && state_.outcome == Outcome::kReached) ++unsuccessful_;
-  }
+  const Outcome outcome = current_->forced == Outcome::kUnderWay ? state_.outcome : current_->forced;
+  if (outcome == Outcome::kTripped || outcome == Outcome::kReached) touched_ = outcome == Outcome::kTripped;
+  if (motion.probing && current_->forced == Outcome::kUnderWay && state_.outcome == Outcome::kTripped)
+    unsuccessful_ = 0;
+  else if (motion.probing && state_.outcome == Outcome::kReached)
+    ++unsuccessful_;
   return judge(*current_, cancelled);
 }
 
@@ -137,19 +133,17 @@ MotionControl::Report MotionControl::judge(const Current& current, bool cancelle
       return report;
   }
   for (std::size_t j = 0; j < axes_.size(); ++j) {
+    const JointUnit unit = readingUnit(joints_[j]);
     const bool turns = joints_[j].kind == JointKind::kRotary;
     double tolerance = turns ? settings_.rotaryTolerance : settings_.tolerance;
     if (j < capabilities_.axes.size()) tolerance = std::max(tolerance, capabilities_.axes[j].resolution);
     const double away = state_.position[j] - current.motion.target[j];
     if (std::abs(away) <= tolerance) continue;
     report.outcome = Outcome::kAlarm;
-    char text[200];
-    const double unit = turns ? kDegree : kMillimetre;
-    const char* const name = turns ? "deg" : "mm";
-    std::snprintf(text, sizeof text, "%s stopped %.6g %s from its target %.6g %s (tolerance %.3g %s)",
-                  axes_[j].c_str(), away / unit, name, current.motion.target[j] / unit, name,
-                  tolerance / unit, name);
-    report.message = text;
+    report.message =
+        format("%s stopped %.6g %s from its target %.6g %s (tolerance %.3g %s)", axes_[j].c_str(),
+               away / unit.factor, unit.symbol, current.motion.target[j] / unit.factor, unit.symbol,
+               tolerance / unit.factor, unit.symbol);
     break;
   }
   return report;

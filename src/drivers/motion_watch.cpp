@@ -1,12 +1,14 @@
 // What the controller says, cycle by cycle, and what ends a motion because of it.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <functional>
+#include <utility>
 
 #include "base/error.h"
 #include "base/format.h"
 #include "base/units.h"
 #include "drivers/motion_control.h"
+#include "machine/joint_units.h"
 
 namespace mm {
 namespace {
@@ -100,20 +102,6 @@ void MotionControl::loseDevice(const std::string& why) {
   }
 }
 
-// Why a state is not believed; the first that applies.
-const std::vector<MotionControl::Doubt> MotionControl::kDoubts = {
-    {&MotionControl::impossibleWords, &MotionControl::loseBy},
-    {&MotionControl::oldWords, &MotionControl::loseBy},
-    {&MotionControl::settlingWords, &MotionControl::awaitSettled},
-};
-
-// What ends a motion; the first that applies.
-const std::vector<MotionControl::Ending> MotionControl::kEndings = {
-    {Outcome::kLost, &MotionControl::pauseWords},        {Outcome::kStopped, &MotionControl::leaseWords},
-    {Outcome::kStopped, &MotionControl::forbiddenWords}, {Outcome::kTripped, &MotionControl::probeWords},
-    {Outcome::kLost, &MotionControl::lateWords},
-};
-
 // @return whether what moves must be told to stop. With `mutex_` held.
 bool MotionControl::weigh(Observation& seen, double host) {
   const AxesState state = seen.state;
@@ -121,24 +109,43 @@ bool MotionControl::weigh(Observation& seen, double host) {
   if (state.resets != state_.resets) takeReset();
   if (states_ == 0 || state.time > state_.time || state.resets != state_.resets) fresh_ = Wall::now();
   if (current_ && current_->homing) check_.forget();
-  for (const Doubt& doubt : kDoubts) {
-    const std::string why = (this->*doubt.words)(state);
-    if (why.empty()) continue;
-    return (this->*doubt.then)(state, why);
+  std::string doubt = check_.complaint(state);
+  if (doubt.empty() && Wall::now() - fresh_ > std::chrono::duration<double>(settings_.silence))
+    doubt = "its state is older than " + shortSeconds(settings_.silence);
+  if (!doubt.empty()) {
+    if (check_.jumped()) forgetSurface();
+    lose(doubt, check_.jumped());
+    return current_.has_value();
+  }
+  if (regained_ && state.moving) {  // a motion that is asked for now would end with the stop of `regain`
+    lost_ = "it answers again; its axes are brought to rest";
+    state_.time = state.time;
+    return false;
   }
   regained_ = false;
   lost_.clear();
   take(state, host);
-  for (const Ending& ending : kEndings) {
-    if (!current_ || current_->forced != Outcome::kUnderWay) break;
-    const std::string why = (this->*ending.words)(seen);
-    if (!why.empty()) force(ending.outcome, why);
-  }
+  endByReason(seen);
   pause_ = 0.0;
   seen.state = state_;
   seen.host = clock_.toHost(state.time);
   seen.trips = probe_.take(seen.edges, state, current_ && current_->motion.probing);
   return watched && current_->forced != Outcome::kUnderWay;
+}
+
+// What ends a motion, whatever its controller says; the first that applies.
+void MotionControl::endByReason(const Observation& seen) {
+  const std::pair<Outcome, std::function<std::string()>> reasons[] = {
+      {Outcome::kLost, [&] { return pauseWords(); }},
+      {Outcome::kStopped, [&] { return owner_.lapse(); }},
+      {Outcome::kStopped, [&] { return forbidden_; }},
+      {Outcome::kTripped, [&] { return probeWords(seen); }},
+      {Outcome::kLost, [&] { return lateWords(seen.state); }},
+  };
+  for (const auto& [outcome, words] : reasons) {
+    if (!current_ || current_->forced != Outcome::kUnderWay) return;
+    if (const std::string why = words(); !why.empty()) force(outcome, why);
+  }
 }
 
 void MotionControl::takeReset() {
@@ -149,42 +156,14 @@ void MotionControl::takeReset() {
   force(Outcome::kLost, "the controller was reset");
 }
 
-std::string MotionControl::impossibleWords(const AxesState& state) { return check_.complaint(state); }
-
-std::string MotionControl::oldWords(const AxesState&) {
-  const double age = std::chrono::duration<double>(Wall::now() - fresh_).count();
-  return age > settings_.silence ? "its state is older than " + shortSeconds(settings_.silence) : "";
-}
-
-std::string MotionControl::settlingWords(const AxesState& state) {
-  return regained_ && state.moving ? "it answers again; its axes are brought to rest" : "";
-}
-
-bool MotionControl::loseBy(const AxesState&, const std::string& why) {
-  if (check_.jumped()) forgetSurface();
-  lose(why, check_.jumped());
-  return current_.has_value();
-}
-
-// A motion that is asked for now would end with the stop of `regain`.
-bool MotionControl::awaitSettled(const AxesState& state, const std::string& why) {
-  lost_ = why;
-  state_.time = state.time;
-  return false;
-}
-
-std::string MotionControl::pauseWords(const Observation&) {
+std::string MotionControl::pauseWords() const {
   if (settings_.simulatedTime || pause_ <= settings_.silence) return {};
   return "the driver was suspended for " + shortSeconds(pause_) +
          ", during which the motion was not monitored";
 }
 
-std::string MotionControl::leaseWords(const Observation&) { return owner_.lapse(); }
-
-std::string MotionControl::forbiddenWords(const Observation&) { return forbidden_; }
-
-std::string MotionControl::lateWords(const Observation& seen) {
-  const double behind = clock_.late() + seen.state.timeUncertainty;
+std::string MotionControl::lateWords(const AxesState& state) const {
+  const double behind = clock_.late() + state.timeUncertainty;
   if (settings_.simulatedTime || current_->homing || behind <= settings_.late) return {};
   return "the controller's states arrive " + shortSeconds(behind) +
          " late, so the motion cannot be monitored";
@@ -247,11 +226,8 @@ std::string MotionControl::tripWords(const Current& current) const {
   std::string text =
       current.homing ? "the probe tripped while homing at" : "the probe tripped while positioning at";
   for (std::size_t j = 0; j < axes_.size(); ++j) {
-    const bool turns = joints_[j].kind == JointKind::kRotary;
-    char one[64];
-    std::snprintf(one, sizeof one, " %s %.4g %s", axes_[j].c_str(),
-                  state_.position[j] / (turns ? kDegree : kMillimetre), turns ? "deg" : "mm");
-    text += one;
+    const JointUnit unit = readingUnit(joints_[j]);
+    text += format(" %s %.4g %s", axes_[j].c_str(), state_.position[j] / unit.factor, unit.symbol);
   }
   return text + "; all axes were stopped. Look for a collision, then move away slowly";
 }
@@ -311,9 +287,9 @@ bool MotionControl::atRest() const {
 }
 
 // At rest by a state that was made after the call: the one that comes next may be older.
-bool MotionControl::awaitRest(std::unique_lock<std::mutex>& lock, double seconds) {
+bool MotionControl::awaitRest(std::unique_lock<std::mutex>& lock) {
   const std::uint64_t first = states_ + 1;
-  return changed_.wait_for(lock, std::chrono::duration<double>(seconds), [&] {
+  return changed_.wait_for(lock, std::chrono::duration<double>(settings_.restTimeout), [&] {
     return ending_ || (states_ > first && lost_.empty() && atRest());
   }) && !ending_;
 }

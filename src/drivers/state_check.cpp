@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
-#include "base/units.h"
+#include "base/format.h"
+#include "machine/joint_units.h"
 
 namespace mm {
 namespace {
@@ -45,11 +45,7 @@ std::string StateCheck::complaint(const AxesState& state) {
   if (!wrong.empty()) return wrong;
   if (last_ && last_->resets == state.resets) {
     const double gone = state.time - last_->time;
-    char text[200];
-    if (gone < 0.0) {
-      std::snprintf(text, sizeof text, "the controller's clock went back by %.6g s", -gone);
-      return text;
-    }
+    if (gone < 0.0) return format("the controller's clock went back by %.6g s", -gone);
     const bool comparable = last_->homed && state.homed;
     for (std::size_t j = 0; comparable && j < joints_.size(); ++j) {
       if (!(joints_[j].maxVelocity > 0.0)) continue;
@@ -60,13 +56,12 @@ std::string StateCheck::complaint(const AxesState& state) {
                            2.0 * resolution + (turns ? kJumpSlackTurn : kJumpSlack);
       const double way = state.position[j] - last_->position[j];
       if (std::abs(way) <= reach) continue;
-      const double unit = turns ? kDegree : kMillimetre;
-      std::snprintf(text, sizeof text,
-                    "the position of %s jumped by %.6g %s within %.3g s, faster than its speed allows; its "
-                    "zero is uncertain, home again",
-                    joints_[j].name.c_str(), way / unit, turns ? "deg" : "mm", gone);
+      const JointUnit unit = readingUnit(joints_[j]);
       jumped_ = true;
-      return text;
+      return format(
+          "the position of %s jumped by %.6g %s within %.3g s, faster than its speed allows; its zero is "
+          "uncertain, home again",
+          joints_[j].name.c_str(), way / unit.factor, unit.symbol, gone);
     }
   }
   last_ = state;

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/format.h"
+#include "base/nearest_name.h"
 #include "base/read_file.h"
 
 namespace mm {
@@ -81,12 +82,12 @@ void SysfsTemperatures::add(const std::string& name, SensorKeys& keys) {
 fs::path SysfsTemperatures::folderOf(const Sensor& sensor) const {
   const fs::path all = fs::path(sysfs_) / (sensor.kind == Kind::kHwmon ? "class/hwmon" : "bus/iio/devices");
   std::vector<fs::path> found;
-  std::string there;
+  std::vector<std::string> there;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(all, error)) {
     const std::string name = firstLine(entry.path() / "name");
     if (name == sensor.chip) found.push_back(entry.path());
-    if (!name.empty()) there += (there.empty() ? "" : ", ") + name;
+    if (!name.empty()) there.push_back(name);
   }
   if (found.size() > sensor.number) {
     std::sort(found.begin(), found.end());
@@ -94,10 +95,14 @@ fs::path SysfsTemperatures::folderOf(const Sensor& sensor) const {
   }
   throw InputError(all.string() + ": there is no '" + sensor.chip + "'" +
                    (sensor.number > 0 ? format(" number %zu", sensor.number) : "") +
-                   "; there are: " + (there.empty() ? "none" : there));
+                   "; there are: " + listOf(there));
 }
 
-double SysfsTemperatures::readOne(const Sensor& sensor) const {
+double SysfsTemperatures::readOne(std::size_t i) {
+  return sensors_[i].scale * valueOf(sensors_[i]) + sensors_[i].offset;
+}
+
+double SysfsTemperatures::valueOf(const Sensor& sensor) const {
   if (sensor.kind == Kind::kFile) return kMilli * numberIn(sensor.channel);
   const fs::path folder = folderOf(sensor);
   if (sensor.kind == Kind::kHwmon) {
@@ -111,20 +116,6 @@ double SysfsTemperatures::readOne(const Sensor& sensor) const {
   const double raw = numberIn(folder / (channel + "_raw"));
   const double offset = numberIfThere(folder / (channel + "_offset")).value_or(0.0);
   return kMilli * (raw + offset) * numberIn(folder / (channel + "_scale"));
-}
-
-std::vector<TemperatureReading> SysfsTemperatures::read() {
-  std::vector<TemperatureReading> readings;
-  for (const Sensor& sensor : sensors_) {
-    TemperatureReading reading;
-    try {
-      reading.value = sensor.scale * readOne(sensor) + sensor.offset;
-    } catch (const std::exception& e) {
-      reading.wrong = e.what();
-    }
-    readings.push_back(std::move(reading));
-  }
-  return readings;
 }
 
 }  // namespace mm

@@ -23,8 +23,6 @@ class SysfsTemperatures final : public TemperatureDevice {
   explicit SysfsTemperatures(std::string sysfs) : sysfs_(std::move(sysfs)) {}  ///< "/sys"
   /// @throw InputError naming the sensor. That a chip is not there is no error: it may come.
   void add(const std::string& name, SensorKeys& keys);
-  std::string where() const override { return sysfs_; }
-  std::vector<TemperatureReading> read() override;
 
  private:
   enum class Kind { kHwmon, kIio, kFile };
@@ -35,7 +33,8 @@ class SysfsTemperatures final : public TemperatureDevice {
     double scale = 1.0, offset = 0.0;
   };
   std::filesystem::path folderOf(const Sensor& sensor) const;
-  double readOne(const Sensor& sensor) const;
+  double readOne(std::size_t sensor) override;
+  double valueOf(const Sensor& sensor) const;  // degC, before scale and offset
 
   std::string sysfs_;
   std::vector<Sensor> sensors_;

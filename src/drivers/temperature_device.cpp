@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/format.h"
 #include "base/nearest_name.h"
+#include "base/text.h"
 #include "drivers/modbus_temperature.h"
 #include "drivers/sysfs_temperature.h"
 
@@ -45,15 +46,25 @@ std::string SensorKeys::word(const std::string& key, const std::string& standard
                              const std::vector<std::string>& words) {
   const std::string given = text(key, standard);
   if (std::find(words.begin(), words.end(), given) != words.end()) return given;
-  std::string list;
-  for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
-  refuse("'" + key + "' is '" + given + "', but must be one of " + list);
+  refuse("'" + key + "' is '" + given + "', but must be one of " + joined(words, ", "));
 }
 
 void SensorKeys::finish() const {
   for (const auto& [key, value] : setup_.keys)
     if (std::find(asked_.begin(), asked_.end(), key) == asked_.end())
       refuse("'" + key + "' is unknown" + didYouMean(key, asked_));
+}
+
+std::vector<TemperatureReading> TemperatureDevice::read() {
+  std::vector<TemperatureReading> readings(names_.size());
+  for (std::size_t i = 0; i < readings.size(); ++i) {
+    try {
+      readings[i].value = readOne(i);
+    } catch (const std::exception& e) {
+      readings[i].wrong = e.what();
+    }
+  }
+  return readings;
 }
 
 std::vector<std::unique_ptr<TemperatureDevice>> makeTemperatureDevices(

@@ -27,13 +27,14 @@ class TemperatureDevice {
   virtual ~TemperatureDevice() = default;
   /// Of its sensors, in the order in which `read` gives them.
   const std::vector<std::string>& names() const { return names_; }
-  /// For messages: `/sys`, `serial:/dev/ttyUSB0:9600:8N1`.
-  virtual std::string where() const = 0;
   /// Asks every sensor once; waits for a line no longer than its timeout for each. A sensor that does not
   /// answer does not keep the others from being read, and is asked again the next time. Throws nothing.
-  virtual std::vector<TemperatureReading> read() = 0;
+  std::vector<TemperatureReading> read();
 
  protected:
+  /// degC of the sensor at that place in `names`. @throw std::exception, for people, where it has none.
+  virtual double readOne(std::size_t sensor) = 0;
+
   std::vector<std::string> names_;
 };
 

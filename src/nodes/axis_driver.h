@@ -36,13 +36,11 @@ namespace mm {
 
 /// One motion controller under ROS: publishes its state, takes goals, keeps the limits of the URDF.
 /// Topics: `joint_states`, `~status`, `~motion`, `~latch`, `~temperatures`, of a simulation also `~truth`
-/// (and
-/// `/clock` with the parameter `clock`). Actions `~move`, `~home`; services `~home`, `~home_axes`, `~stop`,
-/// `~emergency_stop`, `~hold`, `~resume`, `~override`, `~clear_alarm`, `~move_off_limit`, `~take`,
+/// (and `/clock` with the parameter `clock`). Actions `~move`, `~home`; services `~home`, `~home_axes`,
+/// `~stop`, `~emergency_stop`, `~hold`, `~resume`, `~override`, `~clear_alarm`, `~move_off_limit`, `~take`,
 /// `~break_device`. Stop and emergency stop have a port and threads of their own that nothing else may
 /// occupy. A motion ends when whoever asked for it no longer listens to `~move/status`, or does not renew its
-/// ticket
-/// (`~take`). Ends by stopping the axes.
+/// ticket (`~take`). Ends by stopping the axes.
 /// Parameters: `rate` (Hz), `linear_speed` (m/s), `rotary_speed` (rad/s), `temperature_rate` (Hz), `clock`
 /// (the simulation makes the time), `time_factor` (simulated seconds a second, with `clock`), `tolerance` (m)
 /// and `rotary_tolerance` (rad) of an arrival, `silence` (s until a controller without a new state is lost),
@@ -104,8 +102,7 @@ class AxisDriver {
   bool homeAxes(HomeCall& call);
   void stop(const std::string& caller, std_srvs::TriggerResponse& response);
   void emergencyStop(const std::string& caller, bool on, std_srvs::SetBoolResponse& response);
-  bool hold(TriggerCall& call, bool on);
-  bool take(Take::Request& request, Take::Response& response);
+  void take(const Take::Request& request, Take::Response& response);
   void tellNextLife();
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
   void diagnoseProbe(diagnostic_updater::DiagnosticStatusWrapper& status);

@@ -23,6 +23,13 @@ std::string senderOf(const std::string& goalId) {
   return dash == std::string::npos || dash == 0 ? "somebody" : goalId.substr(0, dash);
 }
 
+MoveResult resultOf(std::uint8_t outcome, const std::string& message) {
+  MoveResult result;
+  result.outcome = outcome;
+  result.message = message;
+  return result;
+}
+
 }  // namespace
 
 void AxisDriver::advertise(ros::NodeHandle own) {
@@ -37,44 +44,35 @@ void AxisDriver::advertise(ros::NodeHandle own) {
       own.resolveName("emergency_stop"),
       [this](const std::string& caller, const std_srvs::SetBoolRequest& request,
              std_srvs::SetBoolResponse& response) { emergencyStop(caller, request.data, response); });
-  services_.push_back(holding.advertiseService<TriggerCall>(
-      "hold", boost::function<bool(TriggerCall&)>([this](TriggerCall& call) { return hold(call, true); })));
-  services_.push_back(holding.advertiseService<TriggerCall>(
-      "resume",
-      boost::function<bool(TriggerCall&)>([this](TriggerCall& call) { return hold(call, false); })));
-  services_.push_back(own.advertiseService("home", &AxisDriver::home, this));
-  services_.push_back(own.advertiseService("home_axes", &AxisDriver::homeAxes, this));
-  services_.push_back(lease.advertiseService("take", &AxisDriver::take, this));
-  services_.push_back(
-      own.advertiseService<measuring_machine::SetOverrideRequest, measuring_machine::SetOverrideResponse>(
-          "override", [this](measuring_machine::SetOverrideRequest& request,
-                             measuring_machine::SetOverrideResponse& response) {
-            answer(response, [&] { control_.setOverride(request.share); });
-            return true;
-          }));
-  services_.push_back(own.advertiseService<std_srvs::TriggerRequest, std_srvs::TriggerResponse>(
-      "clear_alarm", [this](std_srvs::TriggerRequest&, std_srvs::TriggerResponse& response) {
-        answer(response, [&] {
-          control_.clearAlarm();
-          response.message = control_.view().state.homed ? "cleared" : "cleared; home again";
-        });
-        return true;
-      }));
-  services_.push_back(own.advertiseService<std_srvs::TriggerRequest, std_srvs::TriggerResponse>(
-      "move_off_limit", [this](std_srvs::TriggerRequest&, std_srvs::TriggerResponse& response) {
-        answer(response, [&] {
-          control_.moveOffLimit({"~move_off_limit"});
-          response.message = "off the limit switch";
-        });
-        return true;
-      }));
-  services_.push_back(
-      own.advertiseService<measuring_machine::BreakDeviceRequest, measuring_machine::BreakDeviceResponse>(
-          "break_device", [this](measuring_machine::BreakDeviceRequest& request,
-                                 measuring_machine::BreakDeviceResponse& response) {
-            answer(response, [&] { control_.breakDevice(request.fault); });
-            return true;
-          }));
+  services_ = {offer<std_srvs::Trigger>(holding, "hold",
+                                        [this](auto&, auto& response) {
+                                          control_.hold(true);
+                                          response.message = "feed hold; call ~resume to continue";
+                                        }),
+               offer<std_srvs::Trigger>(holding, "resume",
+                                        [this](auto&, auto& response) {
+                                          control_.hold(false);
+                                          response.message = "goes on";
+                                        }),
+               own.advertiseService("home", &AxisDriver::home, this),
+               own.advertiseService("home_axes", &AxisDriver::homeAxes, this),
+               offer<Take>(lease, "take", [this](auto& request, auto& response) { take(request, response); }),
+               offer<measuring_machine::SetOverride>(
+                   own, "override", [this](auto& request, auto&) { control_.setOverride(request.share); }),
+               offer<std_srvs::Trigger>(own, "clear_alarm",
+                                        [this](auto&, auto& response) {
+                                          control_.clearAlarm();
+                                          response.message =
+                                              control_.view().state.homed ? "cleared" : "cleared; home again";
+                                        }),
+               offer<std_srvs::Trigger>(own, "move_off_limit",
+                                        [this](auto&, auto& response) {
+                                          control_.moveOffLimit({"~move_off_limit"});
+                                          response.message = "off the limit switch";
+                                        }),
+               offer<measuring_machine::BreakDevice>(own, "break_device", [this](auto& request, auto&) {
+                 control_.breakDevice(request.fault);
+               })};
 }
 
 // Beside what the action's server publishes there: who comes and goes. A client that was killed goes with its
@@ -210,17 +208,14 @@ void AxisDriver::takeGoal(Goal goal) {
     const std::lock_guard<std::mutex> lock(goals_);
     const Asked* before = next_ ? next_.get() : now_.get();
     if (before != nullptr && before->sender != asked->sender && listeners_.listens(before->sender)) {
-      MoveResult result;
-      result.outcome = MoveResult::REFUSED;
-      result.message =
-          "a motion by '" + before->sender + "' is in progress; wait until it has finished, or call ~stop";
+      const MoveResult result =
+          resultOf(MoveResult::REFUSED, "a motion by '" + before->sender +
+                                            "' is in progress; wait until it has finished, or call ~stop");
       goal.setRejected(result, result.message);
       return;
     }
     if (next_) {
-      MoveResult result;
-      result.outcome = MoveResult::STOPPED;
-      result.message = "replaced by a newer goal";
+      const MoveResult result = resultOf(MoveResult::STOPPED, "replaced by a newer goal");
       next_->goal.setCanceled(result, result.message);
     }
     if (now_) cancelled_ = true;
@@ -234,9 +229,7 @@ void AxisDriver::cancelGoal(Goal goal) {
   const std::lock_guard<std::mutex> lock(goals_);
   if (now_ && now_->goal == goal) cancelled_ = true;
   if (!next_ || !(next_->goal == goal)) return;
-  MoveResult result;
-  result.outcome = MoveResult::STOPPED;
-  result.message = "cancelled";
+  const MoveResult result = resultOf(MoveResult::STOPPED, "cancelled");
   next_->goal.setCanceled(result, result.message);
   next_.reset();
 }
@@ -270,8 +263,7 @@ void AxisDriver::forgetGoal() {
 void AxisDriver::execute(const Asked& asked) {
   const auto goal = asked.goal.getGoal();
   Goal handle = asked.goal;
-  MoveResult result;
-  result.outcome = MoveResult::REFUSED;
+  MoveResult result = resultOf(MoveResult::REFUSED, {});
   const auto finish = [&](void (Goal::*how)(const MoveResult&, const std::string&)) {
     forgetGoal();  // before the result: it may be answered with the next goal at once
     (handle.*how)(result, result.message);
@@ -363,35 +355,22 @@ void AxisDriver::emergencyStop(const std::string& caller, bool on, std_srvs::Set
   });
 }
 
-bool AxisDriver::hold(TriggerCall& call, bool on) {
-  auto& response = call.getResponse();
-  answer(response, [&] {
-    control_.hold(on);
-    response.message = on ? "feed hold; call ~resume to continue" : "goes on";
-  });
-  return true;
-}
-
-bool AxisDriver::take(Take::Request& request, Take::Response& response) {
+void AxisDriver::take(const Take::Request& request, Take::Response& response) {
   const struct Count {  // after the ticket was taken, or was found to be taken away
     MotionControl& control;
     Take::Response& response;
     ~Count() { response.stops = control.stops(); }
   } count{control_, response};
-  answer(response, [&] {
-    if (request.seconds == 0.0) {
-      control_.owner().give(request.ticket);
-      response.message = "given back";
-      return;
-    }
-    if (!(request.seconds > 0.0 && request.seconds <= 3600.0))
-      throw InputError("'seconds' is " + std::to_string(request.seconds) +
-                       "; it must be above 0, up to 3600");
-    if (request.owner.empty()) throw InputError("'owner' is empty; name the node that moves the axes");
-    response.ticket = control_.owner().take({request.owner, request.ticket}, request.seconds);
-    response.message = "the axes belong to '" + request.owner + "'";
-  });
-  return true;
+  if (request.seconds == 0.0) {
+    control_.owner().give(request.ticket);
+    response.message = "given back";
+    return;
+  }
+  if (!(request.seconds > 0.0 && request.seconds <= 3600.0))
+    throw InputError("'seconds' is " + std::to_string(request.seconds) + "; it must be above 0, up to 3600");
+  if (request.owner.empty()) throw InputError("'owner' is empty; name the node that moves the axes");
+  response.ticket = control_.owner().take({request.owner, request.ticket}, request.seconds);
+  response.message = "the axes belong to '" + request.owner + "'";
 }
 
 }  // namespace mm

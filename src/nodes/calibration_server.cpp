@@ -1,7 +1,6 @@
 #include "nodes/calibration_server.h"
 
 #include <measuring_machine/Progress.h>
-#include <std_msgs/String.h>
 #include <visualization_msgs/MarkerArray.h>
 
 #include <algorithm>
@@ -16,6 +15,7 @@
 #include "report/json.h"
 #include "report/text.h"
 #include "ros_bridge/bag_session.h"
+#include "ros_bridge/message_conversion.h"
 #include "ros_bridge/node_support.h"
 #include "ros_bridge/residual_markers.h"
 #include "session/joined.h"
@@ -79,15 +79,30 @@ CalibrationServer::CalibrationServer(ros::NodeHandle node, ros::NodeHandle own, 
   verdictOut_ = own.advertise<visualization_msgs::Marker>("verdict", 1, true);
   residualsOut_ = own.advertise<visualization_msgs::MarkerArray>("residuals", 10, true);
   changedOut_ = own.advertise<std_msgs::String>("changed", 10, true);
-  offer<measuring_machine::Calibrate>("calibrate", &CalibrationServer::calibrate);
-  offer<measuring_machine::Compare>("compare", &CalibrationServer::compare);
-  offer<measuring_machine::Diagnose>("diagnose", &CalibrationServer::diagnose);
-  offer<measuring_machine::AddEffect>("add_effect", &CalibrationServer::addEffect);
-  offer<measuring_machine::RemoveEffect>("remove_effect", &CalibrationServer::removeEffect);
-  offer<measuring_machine::Promote>("promote", &CalibrationServer::promote);
-  offer<measuring_machine::Rollback>("rollback", &CalibrationServer::rollback);
-  offer<measuring_machine::Verify>("verify", &CalibrationServer::verify);
-  offer<measuring_machine::Cancel>("cancel", &CalibrationServer::cancel);
+  offerTask<measuring_machine::Calibrate>(
+      "calibrate", [this](auto& request, auto& response) { calibrateSession(request, response); });
+  offerTask<measuring_machine::Compare>(
+      "compare", [this](auto& request, auto& response) { compare(request, response); });
+  offerTask<measuring_machine::Diagnose>(
+      "diagnose", [this](auto& request, auto& response) { diagnoseSession(request, response); });
+  offerTask<measuring_machine::AddEffect>("add_effect", [this](auto& request, auto& response) {
+    change(request.effect, &mm::addEffect, response);
+  });
+  offerTask<measuring_machine::RemoveEffect>("remove_effect", [this](auto& request, auto& response) {
+    change(request.effect, &mm::removeEffect, response);
+  });
+  offerTask<measuring_machine::Verify>("verify",
+                                       [this](auto& request, auto& response) { verify(request, response); });
+  services_.push_back(
+      offer<measuring_machine::Promote>(own, "promote", [this](auto& request, auto& response) {
+        response.message = promote(request.calibration_id) + " is active";
+      }));
+  services_.push_back(
+      offer<measuring_machine::Rollback>(own, "rollback", [this](auto& request, auto& response) {
+        response.message = rollback(request.calibration_id) + " is active again";
+      }));
+  services_.push_back(
+      offer<measuring_machine::Cancel>(own, "cancel", [this](auto&, auto& response) { cancel(response); }));
   publishProgress(Job::State());
   updater_.setHardwareID("calibration_server");
   updater_.add("session", this, &CalibrationServer::diagnoseNode);
@@ -107,11 +122,11 @@ void CalibrationServer::diagnoseNode(diagnostic_updater::DiagnosticStatusWrapper
   status.add("store", store_.folder().string());
 }
 
-template <typename Service>
-void CalibrationServer::offer(const std::string& name,
-                              bool (CalibrationServer::*method)(typename Service::Request&,
-                                                                typename Service::Response&)) {
-  services_.push_back(own_.advertiseService(name, method, this));
+template <typename Service, typename Work>
+void CalibrationServer::offerTask(const std::string& name, Work work) {
+  services_.push_back(offer<Service>(own_, name, [this, name, work](auto& request, auto& response) {
+    job_.run(name, [&] { work(request, response); });
+  }));
 }
 
 void CalibrationServer::publishProgress(const Job::State& state) {
@@ -217,9 +232,7 @@ std::string CalibrationServer::keep(Recalibration& done, const Session& session,
   add(message, errorText(done.result, done.calibration.ledger.back().rmsBefore));
   if (success != 0)
     add(message, nextCall("diagnose", lastBag_.empty() ? "'{}'" : "'{bag: " + inYaml(lastBag_) + "}'"));
-  std_msgs::String ledger;
-  ledger.data = ledgerText(done.calibration, !std::isfinite(done.result.figures.rms));
-  ledgerOut_.publish(ledger);
+  ledgerOut_.publish(toText(ledgerText(done.calibration, !std::isfinite(done.result.figures.rms))));
   residualsOut_.publish(residualMarkers(done.result, residualScale_, prefix_ + "workpiece"));
   return id;
 }
@@ -235,29 +248,18 @@ void CalibrationServer::calibrateSession(const Asked& asked, Answer& answer) {
   answer.json = calibrateJson(done.result);
 }
 
-bool CalibrationServer::calibrate(measuring_machine::Calibrate::Request& request,
-                                  measuring_machine::Calibrate::Response& response) {
-  answer(response, [&] { job_.run("calibrate", [&] { calibrateSession(request, response); }); });
-  return true;
-}
-
-bool CalibrationServer::compare(measuring_machine::Compare::Request& request,
+void CalibrationServer::compare(const measuring_machine::Compare::Request& request,
                                 measuring_machine::Compare::Response& response) {
-  answer(response, [&] {
-    job_.run("compare", [&] {
-      const Calibration calibration = calibrationFrom(request.calibration);
-      const SessionPtr session = openSession(request.bag, Machine(calibration.urdf, calibration.machineName));
-      const Comparison compared = compareWith(*session, calibration, options());
-      response.json = compareJson(compared.fit, compared.where);
-      residualsOut_.publish(residualMarkers(compared.fit, residualScale_, prefix_ + "workpiece"));
-      response.message = "compared with calibration " + calibration.id;
-      const CalibrationResult& fit = compared.fit;
-      add(response.message,
-          errorText(fit, std::isfinite(fit.before.rms) ? fit.before.rms : fit.before.rmsAngular));
-      add(response.message, lossText(*session));
-    });
-  });
-  return true;
+  const Calibration calibration = calibrationFrom(request.calibration);
+  const SessionPtr session = openSession(request.bag, Machine(calibration.urdf, calibration.machineName));
+  const Comparison compared = compareWith(*session, calibration, options());
+  const CalibrationResult& fit = compared.fit;
+  response.json = compareJson(fit, compared.where);
+  residualsOut_.publish(residualMarkers(fit, residualScale_, prefix_ + "workpiece"));
+  response.message = "compared with calibration " + calibration.id;
+  add(response.message,
+      errorText(fit, std::isfinite(fit.before.rms) ? fit.before.rms : fit.before.rmsAngular));
+  add(response.message, lossText(*session));
 }
 
 template <typename Asked, typename Answer>
@@ -290,37 +292,14 @@ std::string CalibrationServer::nextAfter(const Diagnosis& diagnosis, const Calib
   return {};  // the verdict does not wait for a folder
 }
 
-bool CalibrationServer::diagnose(measuring_machine::Diagnose::Request& request,
-                                 measuring_machine::Diagnose::Response& response) {
-  answer(response, [&] { job_.run("diagnose", [&] { diagnoseSession(request, response); }); });
-  return true;
-}
-
 template <typename Response>
-void CalibrationServer::change(const std::string& task, const std::string& effect, Change change,
-                               Response& response) {
-  answer(response, [&] {
-    job_.run(task, [&] {
-      const EffectSpec spec = parseEffectSpec(effect, "effect");
-      const Calibration before = calibrationFrom({});
-      const SessionPtr session = sessionOf(before);
-      Recalibration done = change(*session, before, spec, options());
-      keep(done, *session, response.success, response.message);
-      response.json = changeJson(done.result, done.calibration.ledger);
-    });
-  });
-}
-
-bool CalibrationServer::addEffect(measuring_machine::AddEffect::Request& request,
-                                  measuring_machine::AddEffect::Response& response) {
-  change("add_effect", request.effect, &mm::addEffect, response);
-  return true;
-}
-
-bool CalibrationServer::removeEffect(measuring_machine::RemoveEffect::Request& request,
-                                     measuring_machine::RemoveEffect::Response& response) {
-  change("remove_effect", request.effect, &mm::removeEffect, response);
-  return true;
+void CalibrationServer::change(const std::string& effect, Change change, Response& response) {
+  const EffectSpec spec = parseEffectSpec(effect, "effect");
+  const Calibration before = calibrationFrom({});
+  const SessionPtr session = sessionOf(before);
+  Recalibration done = change(*session, before, spec, options());
+  keep(done, *session, response.success, response.message);
+  response.json = changeJson(done.result, done.calibration.ledger);
 }
 
 void CalibrationServer::checkFit(const Calibration& calibration) const {
@@ -328,37 +307,25 @@ void CalibrationServer::checkFit(const Calibration& calibration) const {
   if (!misfit.empty()) throw InputError(misfit);
 }
 
-bool CalibrationServer::promote(measuring_machine::Promote::Request& request,
-                                measuring_machine::Promote::Response& response) {
-  answer(response, [&] {
-    std_msgs::String id;
-    id.data = store_.promote(request.calibration_id, [this](const Calibration& c) { checkFit(c); });
-    response.message = id.data + " is active";
-    changedOut_.publish(id);
-  });
-  return true;
+std::string CalibrationServer::promote(const std::string& id) {
+  const std::string active = store_.promote(id, [this](const Calibration& c) { checkFit(c); });
+  changedOut_.publish(toText(active));
+  return active;
 }
 
-bool CalibrationServer::rollback(measuring_machine::Rollback::Request& request,
-                                 measuring_machine::Rollback::Response& response) {
-  answer(response, [&] {
-    std_msgs::String id;
-    id.data = store_.rollback(request.calibration_id, [this](const Calibration& c) { checkFit(c); });
-    response.message = id.data + " is active again";
-    changedOut_.publish(id);
-  });
-  return true;
+std::string CalibrationServer::rollback(const std::string& id) {
+  const std::string active = store_.rollback(id, [this](const Calibration& c) { checkFit(c); });
+  changedOut_.publish(toText(active));
+  return active;
 }
 
-bool CalibrationServer::cancel(measuring_machine::Cancel::Request&,
-                               measuring_machine::Cancel::Response& response) {
+void CalibrationServer::cancel(measuring_machine::Cancel::Response& response) {
   const Job::State running = job_.cancel();
   response.success = !running.task.empty();
   response.message = running.task.empty() ? "nothing is running"
                                           : "'" + running.task + "' was asked to stop (" +
                                                 (running.stage.empty() ? "begins" : running.stage) +
                                                 "); its caller gets the answer";
-  return true;
 }
 
 }  // namespace mm

@@ -40,32 +40,22 @@ class CalibrationServer {
   using SessionPtr = std::shared_ptr<const Session>;
   using Change = Recalibration (*)(const Session&, const Calibration&, const EffectSpec&,
                                    const CalibrateOptions&);
-  template <typename Service>
-  void offer(const std::string& name,
-             bool (CalibrationServer::*method)(typename Service::Request&, typename Service::Response&));
+  /// A service whose work is the job's task of the same name.
+  template <typename Service, typename Work>
+  void offerTask(const std::string& name, Work work);
+  void cancel(measuring_machine::Cancel::Response& response);
 
-  bool calibrate(measuring_machine::Calibrate::Request& request,
-                 measuring_machine::Calibrate::Response& response);
-  bool compare(measuring_machine::Compare::Request& request, measuring_machine::Compare::Response& response);
-  bool diagnose(measuring_machine::Diagnose::Request& request,
-                measuring_machine::Diagnose::Response& response);
-  bool addEffect(measuring_machine::AddEffect::Request& request,
-                 measuring_machine::AddEffect::Response& response);
-  bool removeEffect(measuring_machine::RemoveEffect::Request& request,
-                    measuring_machine::RemoveEffect::Response& response);
-  bool promote(measuring_machine::Promote::Request& request, measuring_machine::Promote::Response& response);
-  bool rollback(measuring_machine::Rollback::Request& request,
-                measuring_machine::Rollback::Response& response);
-  bool verify(measuring_machine::Verify::Request& request, measuring_machine::Verify::Response& response);
-  bool cancel(measuring_machine::Cancel::Request& request, measuring_machine::Cancel::Response& response);
-
-  /// What service and action do, within the job: a request or goal in, a response or result out.
+  // What services and actions do, within the job: a request or goal in, a response or result out.
+  void compare(const measuring_machine::Compare::Request& request,
+               measuring_machine::Compare::Response& response);
+  void verify(const measuring_machine::Verify::Request& request,
+              measuring_machine::Verify::Response& response);
   template <typename Asked, typename Answer>
   void calibrateSession(const Asked& asked, Answer& answer);
   template <typename Asked, typename Answer>
   void diagnoseSession(const Asked& asked, Answer& answer);
   template <typename Response>
-  void change(const std::string& task, const std::string& effect, Change change, Response& response);
+  void change(const std::string& effect, Change change, Response& response);
   SessionPtr openSession(const std::string& bag, const Machine& fallback);
   SessionPtr sessionOf(const Calibration& calibration);
   ModelSpec modelFrom(const std::string& model, const Session& session) const;
@@ -78,6 +68,8 @@ class CalibrationServer {
   /// prints.
   std::string nextCall(const std::string& service, const std::string& request) const;
   std::string nextAfter(const Diagnosis& diagnosis, const Calibration& of) const;
+  std::string promote(const std::string& id);   ///< @return what is active, as the other nodes are told
+  std::string rollback(const std::string& id);  ///< likewise
   /// Makes active again what was active before `id`. @param done false: it was asked in vain. @return in
   /// words what became of it.
   std::string takenBack(const std::string& id, bool& done);

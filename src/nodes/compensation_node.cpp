@@ -4,12 +4,13 @@
 #include <measuring_machine/CorrectedContact.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <set>
 #include <sstream>
 
 #include "base/error.h"
+#include "base/names_of.h"
+#include "drivers/device_link.h"
 #include "ros_bridge/correction_messages.h"
 #include "ros_bridge/message_conversion.h"
 #include "ros_bridge/node_support.h"
@@ -37,17 +38,6 @@ void setAside(const std::string& what, const ros::Time& stamp) {
                         : "its stamp is earlier than that of the last one; check the publisher's clock");
 }
 
-std::vector<std::string> namesOf(const Machine& machine) {
-  std::vector<std::string> names;
-  for (const Joint& joint : machine.joints()) names.push_back(joint.name);
-  return names;
-}
-
-/// s of a clock that never goes back.
-double steadyNow() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 template <typename Event>
 JointOwners::Sender senderOf(const Event& event) {
   return {event.getPublisherName(), event.getConnectionHeaderPtr()};
@@ -62,7 +52,7 @@ CompensationNode::CompensationNode(ros::NodeHandle node, ros::NodeHandle own, co
       watch_(CalibrationStore(storeFolder(own, machine)), machine, machineSpace(),
              numberParameter(own, "margin", 0.1, 0.0, 10.0)),
       inputs_(machine, settingsFrom(own)),
-      owners_(namesOf(machine)),
+      owners_(allNames(machine.joints())),
       updater_(node, own, ros::this_node::getName()) {
   refuseUnknownParameters(own, {"store", "margin", "frame_prefix", "drivers", "joint_timeout",
                                 "sensor_timeout", "travel_deadband", "travel_deadband_rotary"});
@@ -77,8 +67,10 @@ CompensationNode::CompensationNode(ros::NodeHandle node, ros::NodeHandle own, co
   ros::NodeHandle slowNode(node), slowOwn(own);
   slowNode.setCallbackQueue(&slow_);
   slowOwn.setCallbackQueue(&slow_);
-  correctTarget_ = slowOwn.advertiseService("correct_target", &CompensationNode::correctTarget, this);
-  correctTargetShort_ = slowNode.advertiseService("correct_target", &CompensationNode::correctTarget, this);
+  for (const ros::NodeHandle& space : {slowOwn, slowNode})
+    correctTarget_.push_back(offer<measuring_machine::CorrectTarget>(
+        space, "correct_target",
+        [this](auto& request, auto& response) { correctTarget(request, response); }));
   timer_ = slowNode.createWallTimer(ros::WallDuration(0.05), &CompensationNode::look, this);
   spinner_ = std::make_unique<ros::AsyncSpinner>(1, &slow_);
 
@@ -187,7 +179,7 @@ void CompensationNode::subscribeDrivers(const ros::NodeHandle& own) {
   ros::master::V_TopicInfo published;
   ros::master::getTopics(published);
   for (const ros::master::TopicInfo& topic : published)
-    if (topics.count(topic.name) != 0) owners_.awaitStatus(steadyNow() + kAwaited);
+    if (topics.count(topic.name) != 0) owners_.awaitStatus(steadySeconds() + kAwaited);
 }
 
 void CompensationNode::takeStatus(const StatusEvent& event) {
@@ -204,7 +196,7 @@ void CompensationNode::takeStatus(const StatusEvent& event) {
     status.joints.push_back(joint);
     status.travel.push_back(i < message.travel.size() ? message.travel[i] : 0);
   }
-  nameStranger(owners_.take(senderOf(event), status, steadyNow()));
+  nameStranger(owners_.take(senderOf(event), status, steadySeconds()));
   inputs_.setTimeZero(owners_.zero());
 }
 
@@ -226,7 +218,7 @@ bool CompensationNode::believes(const JointsEvent& event) {
   const Homing homing = homingOf(message);
   const JointOwners::State state{nanoseconds(message.header.stamp), homing.told, homing.homed,
                                  nanoseconds(homing.at)};
-  const JointOwners::Verdict verdict = owners_.take(senderOf(event), state, joints_, steadyNow());
+  const JointOwners::Verdict verdict = owners_.take(senderOf(event), state, joints_, steadySeconds());
   if (verdict.foreign) {
     ++status_.withheld;
     nameStranger(verdict.why);
@@ -255,13 +247,11 @@ void CompensationNode::takeJoints(const JointsEvent& event) {
   const bool ready = inputs_.takeJoints(nanoseconds(message.header.stamp), message.name, message.position,
                                         message.velocity, reason);
   if (ready && owners_.anyNotHomed()) reason = JointOwners::kUnhomed;
-  if (!reason.empty() || !ready) {
-    if (!reason.empty()) {
-      withhold(reason);
-      candidate_.reason = reason;
-    }
-    return;
+  if (!reason.empty()) {
+    withhold(reason);
+    candidate_.reason = reason;
   }
+  if (!reason.empty() || !ready) return;
   frames_.clear();
   if (active_.loaded) addFrame(active_, message.header.stamp, "probe_tip_corrected", true);
   if (candidate_.loaded) addFrame(candidate_, message.header.stamp, "probe_tip_candidate", false);
@@ -270,11 +260,11 @@ void CompensationNode::takeJoints(const JointsEvent& event) {
 
 void CompensationNode::addFrame(Applied& applied, const ros::Time& stamp, const std::string& child,
                                 bool isActive) {
+  const Model& model = applied.loaded->frames.model();
+  const bool laser = model.domain().laser;
   inputs_.fill(applied.view, applied.state);
-  if (applied.loaded->frames.model().domain().laser)
-    applied.state.laserReading = 0.0;  // the tip, not the spot
-  applied.loaded->frames.model().place(applied.state);
-  const bool laser = applied.loaded->frames.model().domain().laser;
+  if (laser) applied.state.laserReading = 0.0;  // the tip, not the spot
+  model.place(applied.state);
   applied.state.approach.setZero();
   if (laser) applied.state.approach = applied.state.orientation.col(2);
   const Correction c = applied.loaded->frames.apply(applied.state, applied.work);
@@ -321,51 +311,54 @@ void CompensationNode::takeContact(const measuring_machine::ProbeContactConstPtr
   }
 }
 
-bool CompensationNode::correctTarget(measuring_machine::CorrectTarget::Request& request,
+std::vector<double> CompensationNode::arrivalOf(
+    const measuring_machine::CorrectTarget::Request& request) const {
+  std::vector<double> arrival(machine_.joints().size(), 0.0);
+  const std::size_t named = request.name.empty() ? arrival.size() : request.name.size();
+  if (!request.travel.empty() && request.travel.size() != named)
+    throw InputError("field 'travel' has " + std::to_string(request.travel.size()) + " directions for " +
+                     std::to_string(named) + " joints");
+  for (std::size_t i = 0; i < request.travel.size(); ++i) {
+    const int joint = request.name.empty() ? static_cast<int>(i) : machine_.findJoint(request.name[i]);
+    if (joint >= 0) arrival[joint] = request.travel[i] > 0 ? 1.0 : (request.travel[i] < 0 ? -1.0 : 0.0);
+  }
+  return arrival;
+}
+
+void CompensationNode::correctTarget(const measuring_machine::CorrectTarget::Request& request,
                                      measuring_machine::CorrectTarget::Response& response) {
-  answer(response, [&] {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (!active_.loaded) throw InputError("no calibration is active; calibrate and promote one");
-    if (owners_.anyNotHomed() && request.name.empty()) throw InputError(JointOwners::kUnhomed);
-    MovingState state = active_.state;
-    std::vector<double> arrival(machine_.joints().size(), 0.0);
-    const std::size_t named = request.name.empty() ? arrival.size() : request.name.size();
-    if (!request.travel.empty() && request.travel.size() != named)
-      throw InputError("field 'travel' has " + std::to_string(request.travel.size()) + " directions for " +
-                       std::to_string(named) + " joints");
-    for (std::size_t i = 0; i < request.travel.size(); ++i) {
-      const int joint = request.name.empty() ? static_cast<int>(i) : machine_.findJoint(request.name[i]);
-      if (joint >= 0) arrival[joint] = request.travel[i] > 0 ? 1.0 : (request.travel[i] < 0 ? -1.0 : 0.0);
-    }
-    if (request.name.empty()) {
-      if (isSilent())
-        throw InputError(
-            "no joint states are received, so the present readings are unknown; name joints and positions to "
-            "start from");
-      if (!inputs_.complete())
-        throw InputError("the present readings are unknown; name joints and positions to start from");
-      inputs_.fill(active_.view, state);
-    } else {
-      measuring_machine::ProbeContact start;  // for its order of the joints and its messages
-      start.name = request.name;
-      start.position = request.position;
-      const std::vector<double> position = fromMessage(start, machine_).position;
-      inputs_.fill(active_.view, state);
-      state.position = position;
-      std::fill(state.travel.begin(), state.travel.end(), 0.0);
-      state.sinceReversal.clear();
-    }
-    std::fill(state.velocity.begin(), state.velocity.end(), 0.0);
-    const Eigen::Vector3d target(request.target.x, request.target.y, request.target.z);
-    const TargetReadings found = active_.loaded->contacts.correctTarget(target, state, arrival);
-    response.calibration_id = active_.loaded->id;
-    for (const Joint& joint : machine_.joints()) response.name.push_back(joint.name);
-    response.position = found.position;
-    response.sigma = found.sigma;
-    if (!found.reached) throw InputError("target not reached: " + found.reason);
-    response.message = found.correction.note;
-  });
-  return true;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!active_.loaded) throw InputError("no calibration is active; calibrate and promote one");
+  if (owners_.anyNotHomed() && request.name.empty()) throw InputError(JointOwners::kUnhomed);
+  MovingState state = active_.state;
+  const std::vector<double> arrival = arrivalOf(request);
+  if (request.name.empty()) {
+    if (isSilent())
+      throw InputError(
+          "no joint states are received, so the present readings are unknown; name joints and positions to "
+          "start from");
+    if (!inputs_.complete())
+      throw InputError("the present readings are unknown; name joints and positions to start from");
+    inputs_.fill(active_.view, state);
+  } else {
+    measuring_machine::ProbeContact start;  // for its order of the joints and its messages
+    start.name = request.name;
+    start.position = request.position;
+    const std::vector<double> position = fromMessage(start, machine_).position;
+    inputs_.fill(active_.view, state);
+    state.position = position;
+    std::fill(state.travel.begin(), state.travel.end(), 0.0);
+    state.sinceReversal.clear();
+  }
+  std::fill(state.velocity.begin(), state.velocity.end(), 0.0);
+  const Eigen::Vector3d target(request.target.x, request.target.y, request.target.z);
+  const TargetReadings found = active_.loaded->contacts.correctTarget(target, state, arrival);
+  response.calibration_id = active_.loaded->id;
+  response.name = allNames(machine_.joints());
+  response.position = found.position;
+  response.sigma = found.sigma;
+  if (!found.reached) throw InputError("target not reached: " + found.reason);
+  response.message = found.correction.note;
 }
 
 }  // namespace mm

@@ -26,12 +26,11 @@ namespace mm {
 
 /// Applies the active calibration, and the candidate beside it, to every joint state: one TF message each,
 /// with the joint state's stamp, made from one immutable CalibrationPair. What cannot be trusted is not
-/// published;
-/// `~status` and diagnostics say why. Joint states, contacts and sensors come on the node's own queue (one
-/// thread); files are read and services answered by another. A calibration of another machine is refused.
-/// A joint state is believed only from the publisher that owns its joints (JointOwners); others are named.
-/// Parameters: `store`, `margin`, `frame_prefix`, `drivers` (names of the nodes whose status is heard, of
-/// several controllers), `joint_timeout` (s), `sensor_timeout` (s), `travel_deadband` (m) and
+/// published; `~status` and diagnostics say why. Joint states, contacts and sensors come on the node's own
+/// queue (one thread); files are read and services answered by another. A calibration of another machine is
+/// refused. A joint state is believed only from the publisher that owns its joints (JointOwners); others are
+/// named. Parameters: `store`, `margin`, `frame_prefix`, `drivers` (names of the nodes whose status is heard,
+/// of several controllers), `joint_timeout` (s), `sensor_timeout` (s), `travel_deadband` (m) and
 /// `travel_deadband_rotary` (rad): a shorter way back is no reversal, of a machine whose driver does not tell
 /// the direction of travel.
 class CompensationNode {
@@ -68,8 +67,10 @@ class CompensationNode {
   /// plan: once of a calibration; the status goes on saying it. @param saidOf the calibration of the last.
   static bool isNews(bool beyond, const std::string& calibration, std::string& saidOf);
   measuring_machine::CompensationStatus statusNow();
-  bool correctTarget(measuring_machine::CorrectTarget::Request& request,
+  void correctTarget(const measuring_machine::CorrectTarget::Request& request,
                      measuring_machine::CorrectTarget::Response& response);
+  /// Names of the machine's joints from the request, their directions at the target: -1, 1; 0: not told.
+  std::vector<double> arrivalOf(const measuring_machine::CorrectTarget::Request& request) const;
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   ros::NodeHandle node_;
@@ -102,7 +103,7 @@ class CompensationNode {
   ros::Publisher markersOut_, contactsOut_, statusOut_;
   ros::Subscriber jointsIn_, contactsIn_, artifactIn_;
   std::vector<ros::Subscriber> axesIn_;
-  ros::ServiceServer correctTarget_, correctTargetShort_;
+  std::vector<ros::ServiceServer> correctTarget_;
   ros::WallTimer timer_;
   diagnostic_updater::Updater updater_;
   double margin_ = 0.0;  // of what is in use

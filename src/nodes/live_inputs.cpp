@@ -107,11 +107,6 @@ void LiveInputs::orderFor(const std::vector<std::string>& names) {
   for (const std::string& name : names) order_.push_back(indexOf(joints_, name));
 }
 
-bool LiveInputs::concerns(const std::vector<std::string>& names) const {
-  return std::any_of(names.begin(), names.end(),
-                     [this](const std::string& name) { return indexOf(joints_, name) >= 0; });
-}
-
 void LiveInputs::forgetTravel(int joint) {
   travel_[joint].forget();
   told_[joint] = Told();
@@ -144,7 +139,8 @@ bool LiveInputs::takeJoints(std::int64_t stamp, const std::vector<std::string>& 
                             const std::vector<double>& position, const std::vector<double>& velocity,
                             std::string& reason) {
   reason.clear();
-  if (!concerns(names)) return false;
+  orderFor(names);
+  if (std::all_of(order_.begin(), order_.end(), [](int joint) { return joint < 0; })) return false;
   if (stamp == 0) reason = "a joint state has no stamp";
   if (position.size() != names.size() || (!velocity.empty() && velocity.size() != names.size()))
     reason = "a joint state has " + std::to_string(names.size()) + " names, " +
@@ -156,7 +152,6 @@ bool LiveInputs::takeJoints(std::int64_t stamp, const std::vector<std::string>& 
   if (stamp <= last_) return false;
   last_ = stamp;
   if (origin_ == 0) origin_ = stamp;
-  orderFor(names);
   for (std::size_t i = 0; i < names.size(); ++i) {
     const int j = order_[i];
     if (j < 0) continue;  // another machine's, or a gripper

@@ -41,8 +41,6 @@ class LiveInputs {
   /// back.
   bool takeTemperature(const std::string& name, std::int64_t stamp, double value);
   bool takeCovariate(const std::string& name, std::int64_t stamp, double value);
-  /// Whether a message has a joint of this machine.
-  bool concerns(const std::vector<std::string>& names) const;
   /// Direction of the last motion of a joint as its driver tells it, -1 or 1; 0: it does not know. It counts
   /// from the joint state of that stamp on, before what was seen here until then.
   void takeTravel(int joint, std::int64_t stamp, double direction) { told_[joint] = {stamp, direction}; }
@@ -69,7 +67,6 @@ class LiveInputs {
             const std::vector<double>& velocity, MovingState& state) const;
   /// Whether every sensor and covariate of the view has been heard.
   bool heard(const View& view) const;
-  std::int64_t stamp() const { return last_; }
   bool complete() const { return complete_; }
 
  private:

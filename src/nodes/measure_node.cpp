@@ -1,7 +1,5 @@
 #include "nodes/measure_node.h"
 
-#include <std_msgs/String.h>
-
 #include <chrono>
 #include <filesystem>
 
@@ -25,13 +23,7 @@ MeasureNode::MeasureNode(ros::NodeHandle node, ros::NodeHandle own, const Machin
       prefix_(framePrefix(own)),
       take_(node, "axis_driver/take"),
       updater_(node, own, ros::this_node::getName()),
-      axes_(node, "axis_driver/move",
-            [this] {
-              {
-                const std::lock_guard<std::mutex> lock(mutex_);
-              }  // whoever looks now sleeps before it is told
-              contact_.notify_all();
-            }),
+      axes_(node, "axis_driver/move", [this] { tellWaiting(); }),
       server_(
           own, "run", [this](const measuring_machine::MeasureGoalConstPtr& goal) { execute(goal); }, false) {
   refuseUnknownParameters(
@@ -41,48 +33,24 @@ MeasureNode::MeasureNode(ros::NodeHandle node, ros::NodeHandle own, const Machin
   contactTimeout_ = numberParameter(own, "contact_timeout", 1.0, 0.01, 100.0);
   releaseTimeout_ = numberParameter(own, "release_timeout", 2.0, 0.01, 100.0);
   compensation_ = statedCompensation("~compensation", own.param<std::string>("compensation", ""));
-  statusIn_ = node.subscribe<measuring_machine::AxisStatus>(
-      "axis_driver/status", 100, [this](const measuring_machine::AxisStatusConstPtr& message) {
-        {
-          const std::lock_guard<std::mutex> lock(mutex_);
-          status_ = *message;
-        }
-        contact_.notify_all();
-      });
-  motionIn_ = node.subscribe<measuring_machine::MotionStatus>(
-      "axis_driver/motion", 100, [this](const measuring_machine::MotionStatusConstPtr& message) {
-        {
-          const std::lock_guard<std::mutex> lock(mutex_);
-          motion_ = *message;
-        }
-        contact_.notify_all();
-      });
+  statusIn_ = hear<measuring_machine::AxisStatus>(node, "axis_driver/status", 100,
+                                                  [this](const auto& message) { status_ = message; });
+  motionIn_ = hear<measuring_machine::MotionStatus>(node, "axis_driver/motion", 100,
+                                                    [this](const auto& message) { motion_ = message; });
   artifactOut_ = node.advertise<measuring_machine::Artifact>("artifact", 10, true);
   compensationOut_ = node.advertise<std_msgs::String>("controller_compensation", 10, true);
   measuredOut_ = own.advertise<measuring_machine::Measured>("measured", 10, true);
   descriptionOut_ = node.advertise<std_msgs::String>("robot_description", 10, true);
-  contactIn_ = node.subscribe<measuring_machine::ProbeContact>(
-      "probe/contact", 1000, [this](const measuring_machine::ProbeContactConstPtr&) {
-        {
-          const std::lock_guard<std::mutex> lock(mutex_);
-          ++contacts_;
-        }
-        contact_.notify_all();
-      });
-  pause_ = own.advertiseService<std_srvs::SetBool::Request, std_srvs::SetBool::Response>(
-      "pause", [this](std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
-        paused_ = request.data;
-        response.success = true;
-        response.message = paused_ ? "pauses after the current move" : "continues";
-        return true;
-      });
-  renewIn_ = own.advertiseService<std_srvs::Trigger::Request, std_srvs::Trigger::Response>(
-      "renew", [this](std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-        const std::lock_guard<std::mutex> lock(mutex_);
-        renewed_ = Wall::now();
-        response.success = true;
-        return true;
-      });
+  contactIn_ = hear<measuring_machine::ProbeContact>(node, "probe/contact", 1000,
+                                                     [this](const auto&) { ++contacts_; });
+  pause_ = offer<std_srvs::SetBool>(own, "pause", [this](auto& request, auto& response) {
+    paused_ = request.data;
+    response.message = paused_ ? "pauses after the current move" : "continues";
+  });
+  renewIn_ = offer<std_srvs::Trigger>(own, "renew", [this](auto&, auto&) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    renewed_ = Wall::now();
+  });
   updater_.setHardwareID("measure");
   updater_.add("plan", this, &MeasureNode::diagnose);
   timer_ =
@@ -90,6 +58,23 @@ MeasureNode::MeasureNode(ros::NodeHandle node, ros::NodeHandle own, const Machin
   server_.registerPreemptCallback([this] { cancel_ = true; });
   renewer_ = std::thread([this] { renewAll(); });
   server_.start();
+}
+
+template <typename Message, typename Take>
+ros::Subscriber MeasureNode::hear(ros::NodeHandle& node, const std::string& topic, std::uint32_t queue,
+                                  Take take) {
+  return node.subscribe<Message>(topic, queue, [this, take](const typename Message::ConstPtr& message) {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      take(*message);
+    }
+    contact_.notify_all();
+  });
+}
+
+void MeasureNode::tellWaiting() {
+  { const std::lock_guard<std::mutex> lock(mutex_); }  // whoever looks now sleeps before it is told
+  contact_.notify_all();
 }
 
 // The axes stop with the lease, before anything else ends.
@@ -137,12 +122,8 @@ void MeasureNode::sayBlockedWays(const Plan& plan) {
 }
 
 void MeasureNode::announce(const Plan& plan, bool again) {
-  std_msgs::String urdf;
-  urdf.data = machine_.urdf();
-  descriptionOut_.publish(urdf);
-  std_msgs::String compensation;
-  compensation.data = compensationJson(compensation_);
-  compensationOut_.publish(compensation);
+  descriptionOut_.publish(toText(machine_.urdf()));
+  compensationOut_.publish(toText(compensationJson(compensation_)));
   measuring_machine::Artifact artifact = toMessage(plan.artifact);
   // A plan that goes on belongs to the session that it began, by this node or by the one before it.
   if (!again || plan.text != announcedPlan_) {
@@ -178,13 +159,12 @@ void MeasureNode::execute(const measuring_machine::MeasureGoalConstPtr& goal) {
     said_ = message;
     running_ = false;
   };
-  const auto begin = [&] {
+  {
     const std::lock_guard<std::mutex> lock(saidMutex_);
     running_ = true;
     failed_ = false;
     blockedWays_.clear();
-  };
-  begin();
+  }
   if (server_.isPreemptRequested()) cancel_ = true;  // asked for before the goal's turn had come
   try {
     const Plan plan = loadPlan(goal->plan);

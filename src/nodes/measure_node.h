@@ -54,6 +54,10 @@ class MeasureNode {
     using Error::Error;
   };
 
+  /// Takes each message of a topic, with `mutex_` held, and tells who waits.
+  template <typename Message, typename Take>
+  ros::Subscriber hear(ros::NodeHandle& node, const std::string& topic, std::uint32_t queue, Take take);
+  void tellWaiting();
   void execute(const measuring_machine::MeasureGoalConstPtr& goal);
   Plan loadPlan(const std::string& plan) const;
   void sayBlockedWays(const Plan& plan);

@@ -81,10 +81,8 @@ TemperatureNode::TemperatureNode(ros::NodeHandle node, ros::NodeHandle own)
     pollers_.back()->device = std::move(device);
   }
   in_ = node.subscribe("axis_driver/temperatures", 100, &TemperatureNode::take, this);
-  accept_ = own.advertiseService<std_srvs::Trigger::Request, std_srvs::Trigger::Response>(
-      "accept", [this](std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-        return accept(response);
-      });
+  accept_ =
+      offer<std_srvs::Trigger>(own, "accept", [this](auto&, auto& response) { response.message = accept(); });
   updater_.setHardwareID("temperature sensors");
   updater_.add("sensors", this, &TemperatureNode::diagnose);
   timer_ =
@@ -183,16 +181,17 @@ void TemperatureNode::takeOne(const std::string& name, const TemperatureReading&
   sensor.out.publish(message);
 }
 
-bool TemperatureNode::accept(std_srvs::Trigger::Response& response) {
+/// @return what that changes, for people.
+std::string TemperatureNode::accept() {
+  std::string all;
   for (auto& entry : sensors_) {
     const std::string changes = entry.second.trust.accept();
     if (changes.empty()) continue;
     ROS_WARN("%s, because ~accept was called", changes.c_str());
-    response.message += (response.message.empty() ? "" : "; ") + changes;
+    all += (all.empty() ? "" : "; ") + changes;
   }
-  response.success = !response.message.empty();
-  if (!response.success) response.message = "no sensor has jumped: there is nothing to accept";
-  return true;
+  if (all.empty()) throw InputError("no sensor has jumped: there is nothing to accept");
+  return all;
 }
 
 void TemperatureNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {

@@ -50,7 +50,7 @@ class TemperatureNode {
   void take(const measuring_machine::SensorReadings& readings);
   void takePolled();
   void takeOne(const std::string& name, const TemperatureReading& reading, const ros::Time& now);
-  bool accept(std_srvs::Trigger::Response& response);
+  std::string accept();
   void poll(Poller& poller, double period) const;
   bool topicIsOf(const std::string& name);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);

@@ -41,7 +41,6 @@ class BagReader {
 
   const std::string& damage() const { return damage_; }  ///< in words for people; empty: the bag is whole
   std::vector<std::string> topics() const;               ///< that have a connection, sorted
-  std::int64_t messages() const { return messages_; }    ///< read so far
 
  private:
   using Fields = std::map<std::string, std::string>;

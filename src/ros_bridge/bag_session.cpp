@@ -1,13 +1,13 @@
 #include "ros_bridge/bag_session.h"
 
 #include <sensor_msgs/JointState.h>
-#include <std_msgs/String.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
+#include "base/names_of.h"
 #include "base/text.h"
 #include "ros_bridge/bag_writer.h"
 #include "ros_bridge/message_conversion.h"
@@ -57,30 +57,21 @@ class SessionWriter {
 
   void write(const ProgressCallback& progress) {
     const ros::Time start = rosTime(epoch_);
-    std_msgs::String urdf;
-    urdf.data = session_.machine.urdf();
-    bag_.write("/robot_description", start, urdf, true);
+    bag_.write("/robot_description", start, toText(session_.machine.urdf()), true);
     auto artifact = toMessage(session_.artifact);
     artifact.header.stamp = start;
     bag_.write("/artifact", start, artifact, true);
-    if (session_.compensation.stated != ControllerCompensation::Stated::kNot) {
-      std_msgs::String compensation;
-      compensation.data = compensationJson(session_.compensation);
-      bag_.write(kCompensationTopic, start, compensation, true);
-    }
-    if (!session_.timesAssumed.empty()) {
-      std_msgs::String how;
-      how.data = session_.timesAssumed;
-      bag_.write(kTimesAssumedTopic, start, how, true);
-    }
+    if (session_.compensation.stated != ControllerCompensation::Stated::kNot)
+      bag_.write(kCompensationTopic, start, toText(compensationJson(session_.compensation)), true);
+    if (!session_.timesAssumed.empty())
+      bag_.write(kTimesAssumedTopic, start, toText(session_.timesAssumed), true);
     if (!session_.rowFile.empty()) {
-      std_msgs::String file;
-      file.data = session_.rowFile;
       // before the first motion, which is read by the file's directions and not by its own; by as much as a
       // node needs to hear it first, however fast the bag is played
       const double first = motion_.empty() ? 0.0 : std::min(0.0, motion_.front().time);
       const std::int64_t before = epoch_ + std::llround((first - kHeardFirst) * 1e9);
-      bag_.write("/imported_from", rosTime(std::max<std::int64_t>(before, 1)), file, true);
+      bag_.write("/imported_from", rosTime(std::max<std::int64_t>(before, 1)), toText(session_.rowFile),
+                 true);
     }
     std::size_t count = 0;
     for (const Observation& o : session_.observations) {
@@ -134,7 +125,7 @@ class SessionWriter {
       const MotionSample& sample = motion_[nextMotion_];
       sensor_msgs::JointState message;
       message.header.stamp = stamp(sample.time);
-      for (const Joint& joint : session_.machine.joints()) message.name.push_back(joint.name);
+      message.name = allNames(session_.machine.joints());
       message.position = sample.position;
       message.velocity = sample.velocity;
       bag_.write("/joint_states", message.header.stamp, message);
@@ -142,23 +133,16 @@ class SessionWriter {
   }
 
   void writeObservation(const Observation& o) {
-    const ros::Time at = stamp(o.time);
-    if (o.kind == ObservationKind::kContact) {
-      auto message = toContactMessage(o, session_);
-      message.header.stamp = at;
-      message.header.seq = rowOf(o);
-      bag_.write("/probe/contact", at, message);
-    } else {
-      auto message = toReferenceMessage(o, session_);
-      message.header.stamp = at;
-      message.header.seq = rowOf(o);
-      bag_.write("/reference", at, message);
-    }
-  }
-
-  /// The line of the file that /imported_from names; 0: none.
-  std::uint32_t rowOf(const Observation& o) const {
-    return session_.rowFile.empty() ? 0U : static_cast<std::uint32_t>(o.row);
+    const auto write = [&](const char* topic, auto message) {
+      message.header.stamp = stamp(o.time);
+      // The line of the file that /imported_from names; 0: none.
+      message.header.seq = session_.rowFile.empty() ? 0U : static_cast<std::uint32_t>(o.row);
+      bag_.write(topic, message.header.stamp, message);
+    };
+    if (o.kind == ObservationKind::kContact)
+      write("/probe/contact", toContactMessage(o, session_));
+    else
+      write("/reference", toReferenceMessage(o, session_));
   }
 
   const Session& session_;

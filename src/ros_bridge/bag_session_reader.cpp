@@ -4,6 +4,8 @@
 #include <map>
 
 #include "base/error.h"
+#include "base/nearest_name.h"
+#include "base/text.h"
 #include "ros_bridge/bag_reader.h"
 #include "ros_bridge/bag_session.h"
 #include "ros_bridge/bag_writer.h"
@@ -64,12 +66,6 @@ Message decode(const BagMessage& raw, const std::string& source) {
   return message;
 }
 
-std::string list(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text.empty() ? "none" : text;
-}
-
 constexpr const char* kStatus = "/status";  // of an axis driver, whatever that is called
 
 /// "/m1/probe/contact" is "/probe/contact" in the namespace "/m1".
@@ -87,9 +83,7 @@ SessionTopic splitTopic(const BagConnection& connection) {
   for (const char* name :
        {"/probe/contact", "/reference", "/joint_states", "/artifact", "/robot_description", "/imported_from",
         "/measure/measured", kCompensationTopic.c_str(), kTimesAssumedTopic.c_str()}) {
-    const std::string end = name;
-    if (full.size() >= end.size() && full.compare(full.size() - end.size(), end.size(), end) == 0)
-      return {full.substr(0, full.size() - end.size()), end};
+    if (endsWith(full, name)) return {full.substr(0, full.size() - std::string(name).size()), name};
   }
   for (const std::string& start : {kTemperatureTopics, kCovariateTopics}) {
     const std::size_t at = full.find(start);
@@ -197,7 +191,7 @@ class NamespacedSessions {
   static std::string words(const std::vector<std::string>& spaces) {
     std::vector<std::string> names;
     for (const std::string& space : spaces) names.push_back(shown(space));
-    return list(names);
+    return listOf(names);
   }
 
   std::string source_;
@@ -233,7 +227,7 @@ Session readSessionBag(const std::filesystem::path& file, const ProgressCallback
     throw InputError(
         source +
         ": holds no measurement: /probe/contact and /reference are missing or empty; topics found: " +
-        list(bag.topics()) + damage);
+        listOf(bag.topics()) + damage);
   }
   if (!collector->hasMachine() && fallback != nullptr) collector->setMachine(*fallback);
   Session session = collector->build();

@@ -5,7 +5,8 @@
 #include <ros/names.h>
 #include <std_msgs/String.h>
 
-#include <algorithm>
+#include <functional>
+#include <type_traits>
 
 #include "base/error.h"
 
@@ -22,64 +23,54 @@ const char* const kName = "the live session";
 
 LiveSession::LiveSession(ros::NodeHandle node) : node_(node), collector_(kName) {
   collector_.bound(kMost);
-  subscribeNamed("joint_states", &SessionCollector::addJointState);
-  subscribe("reference", &SessionCollector::addReference);
-  const boost::function<void(const ros::MessageEvent<const measuring_machine::Artifact>&)> announced =
-      [this](const ros::MessageEvent<const measuring_machine::Artifact>& event) {
-        takeArtifact(*event.getConstMessage(), event.getPublisherName());
-      };
-  subscribers_["artifact"] = node_.subscribe<measuring_machine::Artifact>("artifact", kQueue, announced);
-  subscribeText("robot_description", &SessionCollector::addRobotDescription);
-  subscribeText("controller_compensation", &SessionCollector::addCompensation);
-  subscribeOfFile("times_assumed", &SessionCollector::addTimesAssumed);
-  subscribeOfFile("imported_from", &SessionCollector::addImportedFrom);
-  subscribers_["probe/contact"] = node_.subscribe<measuring_machine::ProbeContact>(
-      "probe/contact", kQueue, [this](const measuring_machine::ProbeContactConstPtr& m) {
-        beginAgainIfBack(*m);
-        take([&](SessionCollector& collector) { collector.addContact(*m); });
+  collect<sensor_msgs::JointState>("joint_states", &SessionCollector::addJointState);
+  collect<measuring_machine::ReferenceMeasurement>("reference", &SessionCollector::addReference);
+  subscribe<measuring_machine::Artifact>(
+      "artifact",
+      [this](const auto& message, const std::string& publisher) { takeArtifact(message, publisher); });
+  collectText("robot_description", false, &SessionCollector::addRobotDescription);
+  collectText("controller_compensation", false, &SessionCollector::addCompensation);
+  collectText("times_assumed", true, &SessionCollector::addTimesAssumed);
+  collectText("imported_from", true, &SessionCollector::addImportedFrom);
+  subscribe<measuring_machine::ProbeContact>(
+      "probe/contact", [this](const auto& message, const std::string& /*publisher*/) {
+        beginAgainIfBack(message);
+        take([&](SessionCollector& collector) { collector.addContact(message); });
       });
   subscribers_["measure/measured"] = node_.subscribe<measuring_machine::Measured>(
       "measure/measured", 100, [this](const measuring_machine::MeasuredConstPtr& m) { takeMeasured(*m); });
   timer_ = node_.createWallTimer(ros::WallDuration(0.2), &LiveSession::findTopics, this);
 }
 
-template <typename Message>
-void LiveSession::subscribe(const std::string& topic, void (SessionCollector::*add)(const Message&)) {
-  subscribers_[topic] =
-      node_.subscribe<Message>(topic, kQueue, [this, add](const typename Message::ConstPtr& message) {
-        take([&](SessionCollector& collector) { (collector.*add)(*message); });
-      });
-}
-
-template <typename Message>
-void LiveSession::subscribeNamed(const std::string& topic,
-                                 void (SessionCollector::*add)(const Message&, const std::string&)) {
-  const boost::function<void(const ros::MessageEvent<const Message>&)> heard =
-      [this, add](const ros::MessageEvent<const Message>& event) {
-        take([&](SessionCollector& collector) {
-          (collector.*add)(*event.getConstMessage(), event.getPublisherName());
-        });
+template <typename Message, typename Heard>
+void LiveSession::subscribe(const std::string& topic, Heard heard) {
+  const boost::function<void(const ros::MessageEvent<const Message>&)> callback =
+      [heard](const ros::MessageEvent<const Message>& event) {
+        heard(*event.getConstMessage(), event.getPublisherName());
       };
-  subscribers_[topic] = node_.subscribe<Message>(topic, kQueue, heard);
+  subscribers_[topic] = node_.subscribe<Message>(topic, kQueue, callback);
 }
 
-void LiveSession::subscribeText(const std::string& topic, void (SessionCollector::*add)(const std::string&)) {
-  subscribers_[topic] =
-      node_.subscribe<std_msgs::String>(topic, kQueue, [this, add](const std_msgs::StringConstPtr& m) {
-        take([&](SessionCollector& collector) { (collector.*add)(m->data); });
-      });
+template <typename Message, typename Add>
+void LiveSession::collect(const std::string& topic, Add add) {
+  subscribe<Message>(topic, [this, add](const Message& message, const std::string& publisher) {
+    take([&](SessionCollector& collector) {
+      if constexpr (std::is_invocable_v<Add, SessionCollector&, const Message&>)
+        std::invoke(add, collector, message);
+      else
+        std::invoke(add, collector, message, publisher);
+    });
+  });
 }
 
-void LiveSession::subscribeOfFile(const std::string& topic,
-                                  void (SessionCollector::*add)(const std::string&)) {
-  const boost::function<void(const ros::MessageEvent<const std_msgs::String>&)> heard =
-      [this, add](const ros::MessageEvent<const std_msgs::String>& event) {
-        take([&](SessionCollector& collector) {
-          player_ = event.getPublisherName();
-          (collector.*add)(event.getConstMessage()->data);
-        });
-      };
-  subscribers_[topic] = node_.subscribe<std_msgs::String>(topic, kQueue, heard);
+void LiveSession::collectText(const std::string& topic, bool ofFile,
+                              void (SessionCollector::*add)(const std::string&)) {
+  subscribe<std_msgs::String>(topic, [=](const std_msgs::String& text, const std::string& publisher) {
+    take([&](SessionCollector& collector) {
+      if (ofFile) player_ = publisher;
+      (collector.*add)(text.data);
+    });
+  });
 }
 
 void LiveSession::take(const std::function<void(SessionCollector&)>& add) {
@@ -152,14 +143,14 @@ void LiveSession::findTopics(const ros::WallTimerEvent&) {
     if (subscribers_.count(topic.name) != 0) continue;
     if (topic.name.rfind(temperature, 0) == 0 && topic.datatype == "sensor_msgs/Temperature") {
       const std::string sensor = topic.name.substr(temperature.size());
-      subscribers_[topic.name] = node_.subscribe<sensor_msgs::Temperature>(
-          topic.name, kQueue, [this, sensor](const sensor_msgs::TemperatureConstPtr& m) {
-            take([&](SessionCollector& collector) { collector.addTemperature(sensor, *m); });
+      collect<sensor_msgs::Temperature>(
+          topic.name, [sensor](SessionCollector& collector, const sensor_msgs::Temperature& message) {
+            collector.addTemperature(sensor, message);
           });
     } else if (topic.name.rfind(covariate, 0) == 0 && topic.datatype == "measuring_machine/Covariate") {
-      subscribe(topic.name, &SessionCollector::addCovariate);
+      collect<measuring_machine::Covariate>(topic.name, &SessionCollector::addCovariate);
     } else if (topic.datatype == "measuring_machine/AxisStatus" && topic.name.rfind(space, 0) == 0) {
-      subscribeNamed(topic.name, &SessionCollector::addStatus);
+      collect<measuring_machine::AxisStatus>(topic.name, &SessionCollector::addStatus);
     }
   }
 }

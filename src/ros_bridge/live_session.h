@@ -34,13 +34,14 @@ class LiveSession {
   std::string complaint() const;
 
  private:
-  template <typename Message>
-  void subscribe(const std::string& topic, void (SessionCollector::*add)(const Message&));
-  template <typename Message>
-  void subscribeNamed(const std::string& topic,
-                      void (SessionCollector::*add)(const Message&, const std::string& publisher));
-  void subscribeText(const std::string& topic, void (SessionCollector::*add)(const std::string&));
-  void subscribeOfFile(const std::string& topic, void (SessionCollector::*add)(const std::string&));
+  /// @param heard gets each message and the name of its publisher.
+  template <typename Message, typename Heard>
+  void subscribe(const std::string& topic, Heard heard);
+  /// @param add to the collector, with the publisher where it takes one.
+  template <typename Message, typename Add>
+  void collect(const std::string& topic, Add add);
+  /// Texts; those of a file that was imported count for the session of their publisher.
+  void collectText(const std::string& topic, bool ofFile, void (SessionCollector::*add)(const std::string&));
   void takeArtifact(const measuring_machine::Artifact& message, const std::string& publisher);
   void take(const std::function<void(SessionCollector&)>& add);
   void beginAgainIfBack(const measuring_machine::ProbeContact& message);

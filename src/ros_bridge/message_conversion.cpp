@@ -5,20 +5,16 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <utility>
 
 #include "base/error.h"
+#include "base/names_of.h"
 #include "base/nearest_name.h"
 
 namespace mm {
 namespace {
 
 constexpr std::int64_t kSecond = 1000000000;
-
-std::vector<std::string> jointNames(const Machine& machine) {
-  std::vector<std::string> names;
-  for (const Joint& joint : machine.joints()) names.push_back(joint.name);
-  return names;
-}
 
 /// Which entry of a message's arrays belongs to each joint of the machine.
 std::vector<int> jointOrder(const std::vector<std::string>& names, const Machine& machine) {
@@ -27,7 +23,7 @@ std::vector<int> jointOrder(const std::vector<std::string>& names, const Machine
     const int joint = machine.findJoint(names[i]);
     if (joint < 0)
       throw InputError("joint '" + names[i] + "' is not a joint of machine '" + machine.name() + "'" +
-                       didYouMean(names[i], jointNames(machine)));
+                       didYouMean(names[i], allNames(machine.joints())));
     if (order[joint] >= 0) throw InputError("joint '" + names[i] + "' is given twice");
     order[joint] = static_cast<int>(i);
   }
@@ -65,6 +61,12 @@ std::string topicOf(const std::string& name) {
 
 std::string sensorOf(const std::string& topicEnd, const std::string& frameId) {
   return !frameId.empty() && frameId != topicEnd && topicOf(frameId) == topicEnd ? frameId : topicEnd;
+}
+
+std_msgs::String toText(std::string text) {
+  std_msgs::String message;
+  message.data = std::move(text);
+  return message;
 }
 
 std::int64_t nanoseconds(const ros::Time& stamp) { return static_cast<std::int64_t>(stamp.toNSec()); }
@@ -160,11 +162,10 @@ Artifact fromMessage(const measuring_machine::Artifact& message) {
 }
 
 measuring_machine::ProbeContact toContactMessage(const Observation& contact, const Session& session) {
-  const Machine& machine = session.machine;
   const Artifact& artifact = session.artifact;
   measuring_machine::ProbeContact message;
   message.header.frame_id = "workpiece";
-  message.name = jointNames(machine);
+  message.name = allNames(session.machine.joints());
   message.position = contact.position;
   message.velocity = unlessAllNaN(contact.velocity);
   if (!contact.approach.hasNaN()) tf2::toMsg(contact.approach, message.approach);
@@ -197,7 +198,7 @@ measuring_machine::ReferenceMeasurement toReferenceMessage(const Observation& re
                                                            const Session& session) {
   measuring_machine::ReferenceMeasurement message;
   message.header.frame_id = "workpiece";
-  message.name = jointNames(session.machine);
+  message.name = allNames(session.machine.joints());
   message.joint_position = reference.position;
   message.joint_velocity = unlessAllNaN(reference.velocity);
   message.laser_reading = reference.laserReading;

@@ -5,6 +5,7 @@
 #include <measuring_machine/ReferenceMeasurement.h>
 #include <ros/time.h>
 #include <sensor_msgs/Temperature.h>
+#include <std_msgs/String.h>
 
 #include <cstdint>
 #include <string>
@@ -23,6 +24,9 @@ std::string topicOf(const std::string& name);
 /// The sensor of a temperature: the topic's end; of a name that a topic cannot hold, what an import wrote
 /// into `frame_id`.
 std::string sensorOf(const std::string& topicEnd, const std::string& frameId);
+
+/// A text as the message of a topic.
+std_msgs::String toText(std::string text);
 
 /// Of a stamp, since the epoch.
 std::int64_t nanoseconds(const ros::Time& stamp);

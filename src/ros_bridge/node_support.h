@@ -49,6 +49,17 @@ void answer(Response& response, Work&& work) {
   }
 }
 
+/// Offers a service: `work` gets the request and fills the response, within `answer`.
+template <typename Service, typename Work>
+ros::ServiceServer offer(ros::NodeHandle node, const std::string& name, Work work) {
+  using Request = typename Service::Request;
+  using Response = typename Service::Response;
+  return node.advertiseService<Request, Response>(name, [work](Request& request, Response& response) {
+    answer(response, [&] { work(request, response); });
+    return true;
+  });
+}
+
 /// The boundary of a node: initialises ROS, runs `work` and says what it throws. With MM_RESPAWN=true
 /// in the environment (roslaunch starts the node again) wrong parameters do not end it before they change, or
 /// half a minute is over.

@@ -105,9 +105,7 @@ class PluginEffect final : public Effect {
     }
     std::vector<double> slope(static_cast<std::size_t>(layout_.size()));
     for (int i = 0; i < parameterCount(); ++i) {
-      const bool searched =
-          std::find(nature_.nonlinear.begin(), nature_.nonlinear.end(), i) != nature_.nonlinear.end();
-      call.slopes(p, i, searched, slope);
+      call.slopes(p, i, slope);
       for (int slot = 0; slot < layout_.size(); ++slot) {
         if (slope[slot] == 0.0) continue;
         if (linear())
@@ -161,14 +159,12 @@ class PluginEffect final : public Effect {
     }
 
     /// Derivative of every slot by parameter i at p. Linear ones: the step does not matter.
-    void slopes(const double* p, int i, bool searched, std::vector<double>& slope) {
+    void slopes(const double* p, int i, std::vector<double>& slope) {
       const Parameter& parameter = effect_.parameters_[i];
       std::copy(p, p + p_.size(), p_.begin());
-      if (!searched) {  // the error at one of this parameter, and none of the other linear ones
+      if (!effect_.isSearched(i)) {  // the error at one of this parameter, and none of the other linear ones
         for (std::size_t k = 0; k < p_.size(); ++k)
-          if (std::find(effect_.nature_.nonlinear.begin(), effect_.nature_.nonlinear.end(),
-                        static_cast<int>(k)) == effect_.nature_.nonlinear.end())
-            p_[k] = 0.0;
+          if (!effect_.isSearched(static_cast<int>(k))) p_[k] = 0.0;
         p_[i] = parameter.scale;
         const std::vector<double>& value = (*this)(p_.data());
         for (std::size_t s = 0; s < slope.size(); ++s) slope[s] = value[s] / parameter.scale;
@@ -193,6 +189,11 @@ class PluginEffect final : public Effect {
     const plugin::State state_;
     std::vector<double> value_, atJoint_, p_;
   };
+
+  /// Whether the error is not linear in that parameter.
+  bool isSearched(int i) const {
+    return std::find(nature_.nonlinear.begin(), nature_.nonlinear.end(), i) != nature_.nonlinear.end();
+  }
 
   void failed(const std::string& what, plugin::Error& e) const {
     (*origin_.trouble)(origin_.name + ": " + spec_.yaml() + " threw during evaluation: " + what +
@@ -233,9 +234,8 @@ class PluginEffect final : public Effect {
       std::size_t k = 0;
       for (const int i : nature_.nonlinear) a[i] = nature_.searchStarts.front()[k++];
       for (int i = 0; i < parameterCount(); ++i) {
-        if (std::find(nature_.nonlinear.begin(), nature_.nonlinear.end(), i) != nature_.nonlinear.end())
-          continue;
-        call.slopes(a.data(), i, false, slope);
+        if (isSearched(i)) continue;
+        call.slopes(a.data(), i, slope);
         for (std::size_t s = 0; s < sum.size(); ++s) sum[s] += a[i] * slope[s];
       }
       const std::vector<double>& value = call(a.data());

@@ -29,7 +29,6 @@ class RestingJoints {
   /// the while, said that it is homed, without a fault and does not move, and these states differ by no more
   /// than the resolution. @param resolution m or rad.
   Rest over(const Joint& joint, const ros::Time& from, const ros::Time& to, double resolution) const;
-  void forget() { joints_.clear(); }  ///< e.g. after the clock went back
 
  private:
   struct Position {

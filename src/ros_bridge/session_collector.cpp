@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/names_of.h"
 #include "base/nearest_name.h"
 #include "ros_bridge/bounded_log.h"
 #include "session/time_stamp.h"
@@ -16,6 +17,11 @@ namespace {
 const char* const kContactTopic = "/probe/contact";
 const char* const kReferenceTopic = "/reference";
 
+template <typename Message>
+constexpr bool kIsContact = std::is_same_v<Message, measuring_machine::ProbeContact>;
+template <typename Message>
+const char* const kTopic = kIsContact<Message> ? kContactTopic : kReferenceTopic;
+
 /// The name in `<robot name="…">`: what messages call a machine that has no file.
 std::string robotName(const std::string& urdf) {
   tinyxml2::XMLDocument document;
@@ -25,11 +31,19 @@ std::string robotName(const std::string& urdf) {
   return name != nullptr ? name : "robot_description";
 }
 
-template <typename Item>
-void sortByStamp(std::vector<Item>& items) {
-  const auto earlier = [](const Item& a, const Item& b) { return a.stamp < b.stamp; };
-  if (!std::is_sorted(items.begin(), items.end(), earlier))
-    std::stable_sort(items.begin(), items.end(), earlier);
+/// Of one of several messages, ns.
+template <typename OneOf>
+std::int64_t stampIn(const OneOf& message) {
+  return std::visit([](const auto& m) { return nanoseconds(m.header.stamp); }, message);
+}
+
+void addWords(std::string& text, const std::string& more) {
+  if (!more.empty()) text += (text.empty() ? "" : "; ") + more;
+}
+
+template <typename Item, typename Gone>
+void eraseIf(std::vector<Item>& items, Gone gone) {
+  items.erase(std::remove_if(items.begin(), items.end(), gone), items.end());
 }
 
 }  // namespace
@@ -66,24 +80,21 @@ void SessionCollector::addArtifact(const measuring_machine::Artifact& message) {
   if (!message.header.stamp.isZero()) artifactStamp_ = stampOf(message.header.stamp);
 }
 
-void SessionCollector::addContact(const measuring_machine::ProbeContact& message) {
-  if (!roomFor(kContactTopic, contactCount_ + 1, nanoseconds(message.header.stamp))) return;
+template <typename Message>
+void SessionCollector::add(const Message& message) {
+  const std::int64_t before = kIsContact<Message> ? contactCount_ : referenceCount_;
+  if (!roomFor(kTopic<Message>, before + 1, nanoseconds(message.header.stamp))) return;
   if (machine_)
     convert(message);
   else
     waiting_.emplace_back(message);
 }
-
-void SessionCollector::addReference(const measuring_machine::ReferenceMeasurement& message) {
-  if (!roomFor(kReferenceTopic, referenceCount_ + 1, nanoseconds(message.header.stamp))) return;
-  if (machine_)
-    convert(message);
-  else
-    waiting_.emplace_back(message);
-}
+template void SessionCollector::add(const measuring_machine::ProbeContact& message);
+template void SessionCollector::add(const measuring_machine::ReferenceMeasurement& message);
 
 template <typename Message>
-void SessionCollector::convertOrRefuse(const Message& message, const char* topic, std::int64_t number) {
+void SessionCollector::convert(const Message& message) {
+  const std::int64_t number = kIsContact<Message> ? ++contactCount_ : ++referenceCount_;
   try {
     Observation o = fromMessage(message, *machine_);
     for (std::size_t j = 0; j < o.position.size(); ++j)
@@ -99,7 +110,7 @@ void SessionCollector::convertOrRefuse(const Message& message, const char* topic
     if (o.reference.array().isInf().any()) throw InputError("a reference position is infinite");
     o.row = number;
     const std::int64_t stamp = stampOf(message.header.stamp);
-    if constexpr (std::is_same_v<Message, measuring_machine::ProbeContact>) {
+    if constexpr (kIsContact<Message>) {
       if (message.feature.empty())
         throw InputError("no feature is assigned; name the ball or point that was touched");
       o.feature = features_[message.feature];
@@ -114,22 +125,13 @@ void SessionCollector::convertOrRefuse(const Message& message, const char* topic
     o.placement = placements_[message.placement];
     rows_.push_back({stamp, std::move(o), message.header.seq});
   } catch (const InputError& e) {
-    refuse(topic, static_cast<std::size_t>(number), e.what(), nanoseconds(message.header.stamp));
+    refuse(kTopic<Message>, static_cast<std::size_t>(number), e.what(), nanoseconds(message.header.stamp));
   }
-}
-
-void SessionCollector::convert(const measuring_machine::ProbeContact& message) {
-  convertOrRefuse(message, kContactTopic, ++contactCount_);
-}
-
-void SessionCollector::convert(const measuring_machine::ReferenceMeasurement& message) {
-  convertOrRefuse(message, kReferenceTopic, ++referenceCount_);
 }
 
 std::vector<std::string> SessionCollector::refused() const {
   std::vector<std::string> all;
-  for (const Refused& r : refused_)
-    all.push_back(r.topic + " message " + std::to_string(r.number) + ": " + r.why);
+  for (const Refused& r : refused_) all.push_back(r.inWords() + ": " + r.why);
   return all;
 }
 
@@ -198,13 +200,6 @@ void SessionCollector::fillTravel(std::vector<Row>& rows) const {
   }
 }
 
-std::vector<SessionCollector::Row> SessionCollector::sortedRows() const {
-  std::vector<Row> rows = rows_;
-  sortByStamp(rows);
-  fillTravel(rows);
-  return rows;
-}
-
 std::int64_t SessionCollector::startOf(const std::vector<Row>& rows) const {
   const bool announced = artifactStamp_ && *artifactStamp_ <= rows.front().stamp;
   if (announced) return *artifactStamp_;
@@ -217,8 +212,7 @@ std::int64_t SessionCollector::startOf(const std::vector<Row>& rows) const {
 std::int64_t SessionCollector::newest() const {
   std::int64_t newest = 0;
   for (const Row& row : rows_) newest = std::max(newest, row.stamp);
-  for (const auto& message : waiting_)
-    newest = std::max(newest, std::visit([](const auto& m) { return nanoseconds(m.header.stamp); }, message));
+  for (const auto& message : waiting_) newest = std::max(newest, stampIn(message));
   return newest;
 }
 
@@ -229,44 +223,37 @@ void SessionCollector::renumber() {
         row.observation.kind == ObservationKind::kContact ? ++contactCount_ : ++referenceCount_;
 }
 
-void SessionCollector::dropAfter(std::int64_t stamp) {
-  const auto erase = [](auto& items, auto late) {
-    items.erase(std::remove_if(items.begin(), items.end(), late), items.end());
-  };
-  erase(rows_, [&](const Row& row) { return row.stamp >= stamp; });
-  erase(waiting_, [&](const auto& message) {
-    return std::visit([&](const auto& m) { return nanoseconds(m.header.stamp) >= stamp; }, message);
-  });
+template <typename Gone>
+void SessionCollector::drop(Gone gone) {
+  eraseIf(rows_, [&](const Row& row) { return gone(row.stamp); });
+  eraseIf(waiting_, [&](const auto& message) { return gone(stampIn(message)); });
+  eraseIf(refused_, [&](const Refused& r) { return gone(r.stamp); });
   renumber();
+}
+
+void SessionCollector::dropAfter(std::int64_t stamp) {
+  drop([&](std::int64_t at) { return at >= stamp; });
+  eraseIf(refused_, [](const Refused& r) { return r.stamp == 0; });
   for (std::map<std::string, Logged>* all : {&temperatures_, &covariates_})
-    for (auto& [name, logged] : *all) erase(logged.values, [&](const auto& v) { return v.first >= stamp; });
-  erase(refused_, [&](const Refused& r) { return r.stamp == 0 || r.stamp >= stamp; });
+    for (auto& [name, logged] : *all) eraseIf(logged.values, [&](const auto& v) { return v.first >= stamp; });
   counted_.clear();  // what they counted is gone
   travel_.dropAfter(stamp);
 }
 
 void SessionCollector::dropBefore(std::int64_t stamp) {
-  const auto erase = [](auto& items, auto old) {
-    items.erase(std::remove_if(items.begin(), items.end(), old), items.end());
-  };
-  erase(rows_, [&](const Row& row) { return row.stamp < stamp; });
-  erase(waiting_, [&](const auto& message) {
-    return std::visit([&](const auto& m) { return nanoseconds(m.header.stamp) < stamp; }, message);
-  });
-  renumber();
+  drop([&](std::int64_t at) { return at < stamp; });
   // Of what was logged the last value before the stamp still counts.
   for (std::map<std::string, Logged>* all : {&temperatures_, &covariates_})
     for (auto& [name, logged] : *all) {
       std::int64_t last = 0;
       for (const auto& [at, value] : logged.values)
         if (at <= stamp) last = std::max(last, at);
-      erase(logged.values, [&](const auto& v) { return v.first < last; });
+      eraseIf(logged.values, [&](const auto& v) { return v.first < last; });
       logged.messages = logged.values.size();
       logged.lost = logged.dropped = 0;
     }
-  erase(refused_, [&](const Refused& r) { return r.stamp < stamp; });
   refusedMore_ = 0;
-  erase(counted_, [&](const Counted& c) { return nanoseconds(c.session) < stamp; });
+  eraseIf(counted_, [&](const Counted& c) { return nanoseconds(c.session) < stamp; });
   travel_.dropBefore(stamp);
   earliest_ = stamp;
 }
@@ -276,11 +263,11 @@ std::vector<Series> SessionCollector::series(const std::map<std::string, Logged>
   std::vector<Series> result;
   for (const auto& [name, logged] : all) {
     if (logged.lost > 0)
-      warning += (warning.empty() ? "" : "; ") + std::to_string(logged.lost) + " readings of '" + name +
-                 "' are not numbers and were ignored";
+      addWords(warning,
+               std::to_string(logged.lost) + " readings of '" + name + "' are not numbers and were ignored");
     if (logged.dropped > 0)
-      warning += (warning.empty() ? "" : "; ") + std::to_string(logged.dropped) + " readings of '" + name +
-                 "', the oldest of the session, have been dropped";
+      addWords(warning, std::to_string(logged.dropped) + " readings of '" + name +
+                            "', the oldest of the session, have been dropped");
     auto values = logged.values;
     std::stable_sort(values.begin(), values.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -296,23 +283,14 @@ std::vector<Series> SessionCollector::series(const std::map<std::string, Logged>
   return result;
 }
 
-void SessionCollector::setRefusedAside(const std::vector<Refused>& refused, Session& session) const {
-  for (const Refused& r : refused) {
-    SetAside aside;
-    aside.field = r.topic + " message " + std::to_string(r.number);
-    aside.why = r.why;
-    session.setAside.push_back(std::move(aside));
-  }
-}
-
 Session SessionCollector::build() const {
   std::vector<Refused> refused = refused_;
   const auto empty = [&] {
-    const std::string first =
-        refused.empty() ? std::string()
-                        : "; of " + std::to_string(refused.size()) +
-                              " that cannot be used the first: " + refused.front().topic + " message " +
-                              std::to_string(refused.front().number) + ": " + refused.front().why;
+    const std::string first = refused.empty()
+                                  ? std::string()
+                                  : "; of " + std::to_string(refused.size()) +
+                                        " that cannot be used the first: " + refused.front().inWords() +
+                                        ": " + refused.front().why;
     return InputError(source_ + ": the session is empty: no message on /probe/contact or /reference" + first);
   };
   if (observationCount() == 0) throw empty();
@@ -326,13 +304,12 @@ Session SessionCollector::build() const {
   session.timesAssumed = timesAssumed_;
   if (artifact_) session.artifact = *artifact_;
   std::vector<int> features, styli;
-  std::vector<std::string> names, stylusNames;
-  for (const Feature& f : session.artifact.features) names.push_back(f.name);
-  for (const Stylus& s : session.artifact.styli) stylusNames.push_back(s.name);
   for (const std::string& name : styli_.all())
     styli.push_back(name.empty() ? 0 : session.artifact.findStylus(name));
   for (const std::string& name : features_.all()) features.push_back(session.artifact.findFeature(name));
-  std::vector<Row> rows = sortedRows();
+  std::vector<Row> rows = rows_;
+  std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.stamp < b.stamp; });
+  fillTravel(rows);
   session.warning = lacking(rows);
   const auto unknown = [&](const Row& row) {
     const Observation& o = row.observation;
@@ -346,8 +323,8 @@ Session SessionCollector::build() const {
       return true;
     };
     if (o.feature >= 0 && features[o.feature] < 0)
-      return refuse("feature", features_.all()[o.feature], names);
-    return styli[o.stylus] < 0 && refuse("stylus", styli_.all()[o.stylus], stylusNames);
+      return refuse("feature", features_.all()[o.feature], allNames(session.artifact.features));
+    return styli[o.stylus] < 0 && refuse("stylus", styli_.all()[o.stylus], allNames(session.artifact.styli));
   };
   rows.erase(std::remove_if(rows.begin(), rows.end(), unknown), rows.end());
   if (rows.empty()) throw empty();
@@ -368,13 +345,14 @@ Session SessionCollector::build() const {
   session.temperatures = series(temperatures_, start, session.warning);
   session.covariates = series(covariates_, start, session.warning);
   session.epoch = secondsBetween(0, start);
-  setRefusedAside(refused, session);
-  const auto warn = [&](const std::string& words) {
-    session.warning += (session.warning.empty() ? "" : "; ") + words;
-  };
-  const std::string gone = travel_.lacking();
-  if (!gone.empty()) warn(gone);
-  if (refusedMore_ > 0) warn(std::to_string(refusedMore_) + " more messages were set aside");
+  for (const Refused& r : refused) {
+    SetAside& aside = session.setAside.emplace_back();
+    aside.field = r.inWords();
+    aside.why = r.why;
+  }
+  addWords(session.warning, travel_.lacking());
+  if (refusedMore_ > 0)
+    addWords(session.warning, std::to_string(refusedMore_) + " more messages were set aside");
   session.prepare();
   return session;
 }

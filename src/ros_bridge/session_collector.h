@@ -36,8 +36,8 @@ class SessionCollector {
   void addTimesAssumed(const std::string& how) { timesAssumed_ = how; }
   /// The last one counts; without a stamp it is announced once more, and the session began when it began.
   void addArtifact(const measuring_machine::Artifact& message);
-  void addContact(const measuring_machine::ProbeContact& message);
-  void addReference(const measuring_machine::ReferenceMeasurement& message);
+  void addContact(const measuring_machine::ProbeContact& message) { add(message); }
+  void addReference(const measuring_machine::ReferenceMeasurement& message) { add(message); }
   void addTemperature(const std::string& sensor, const sensor_msgs::Temperature& message);
   void addCovariate(const measuring_machine::Covariate& message);
   /// @param publisher its node: of a joint only one counts, see TravelLog.
@@ -99,6 +99,7 @@ class SessionCollector {
     std::size_t number;
     std::string why;
     std::int64_t stamp;  // ns; 0: it has none
+    std::string inWords() const { return topic + " message " + std::to_string(number); }
   };
 
   std::int64_t stampOf(const ros::Time& stamp);
@@ -108,12 +109,13 @@ class SessionCollector {
   bool roomForName(const std::map<std::string, Logged>& all, const std::string& name);
   std::string lacking(const std::vector<Row>& rows) const;
   template <typename Message>
-  void convertOrRefuse(const Message& message, const char* topic, std::int64_t number);
-  void convert(const measuring_machine::ProbeContact& message);
-  void convert(const measuring_machine::ReferenceMeasurement& message);
-  void setRefusedAside(const std::vector<Refused>& refused, Session& session) const;
+  void add(const Message& message);
+  template <typename Message>
+  void convert(const Message& message);
+  /// Forgets what was measured or logged at stamps (ns) for which `gone` holds.
+  template <typename Gone>
+  void drop(Gone gone);
   void addValue(Logged& logged, const std::string& topic, const ros::Time& stamp, double value);
-  std::vector<Row> sortedRows() const;
   void renumber();
   std::int64_t startOf(const std::vector<Row>& rows) const;
   void fillTravel(std::vector<Row>& rows) const;

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <utility>
 
 #include "base/error.h"
 #include "base/text.h"
+#include "drivers/axis_map.h"
 #include "simulation/simulate.h"
 
 namespace mm {
@@ -26,20 +28,9 @@ constexpr double kWrong = 5e-3;        // m by which a wrong device is wrong
 std::vector<std::string> splitSources(const std::string& text) {
   std::vector<std::string> sources;
   std::istringstream in(text);
-  for (std::string one; std::getline(in, one, ';');) {
-    const auto first = one.find_first_not_of(" \t");
-    if (first != std::string::npos)
-      sources.push_back(one.substr(first, one.find_last_not_of(" \t") - first + 1));
-  }
+  for (std::string one; std::getline(in, one, ';');)
+    if (const std::string_view source = trim(one); !source.empty()) sources.emplace_back(source);
   return sources;
-}
-
-double numberOf(const std::string& name, const std::string& text) {
-  std::istringstream in(text);
-  double value = 0.0;
-  if (!(in >> value) || !(in >> std::ws).eof())
-    throw InputError("parameter '" + name + "' of the simulated controller is '" + text + "', not a number");
-  return value;
 }
 
 }  // namespace
@@ -62,9 +53,10 @@ SimulatedController::Fault SimulatedController::faultOf(const std::string& name)
                                                        {"temperature_lost", Fault::kTemperatureLost}};
   const auto found = kFaults.find(name);
   if (found != kFaults.end()) return found->second;
-  std::string known;
-  for (const auto& entry : kFaults) known += (known.empty() ? "" : ", ") + entry.first;
-  throw InputError("parameter 'fault' of the simulated controller is '" + name + "'; possible are " + known);
+  std::vector<std::string> known;
+  for (const auto& entry : kFaults) known.push_back(entry.first);
+  throw InputError("parameter 'fault' of the simulated controller is '" + name + "'; possible are " +
+                   joined(known, ", "));
 }
 
 void SimulatedController::open(const ControllerSetup& setup) {
@@ -73,29 +65,17 @@ void SimulatedController::open(const ControllerSetup& setup) {
   plan.source = "no plan";
   plan.text = "{}";
   SimulationRequest request;
-  double linear = kAcceleration, turning = kTurning;
-  for (const auto& [name, value] : setup.parameters) {
-    if (name == "plan")
-      plan = value.empty() ? plan : Plan::load(value, machine);
-    else if (name == "hide")
-      request.hide = splitSources(value);
-    else if (name == "seed")
-      request.seed = static_cast<std::uint64_t>(numberOf(name, value));
-    else if (name == "bounce_s")
-      bounce_ = numberOf(name, value);
-    else if (name == "acceleration_m_s2")
-      linear = numberOf(name, value);
-    else if (name == "acceleration_rad_s2")
-      turning = numberOf(name, value);
-    else if (name == "fault")
-      fault_ = faultOf(value);
-    else
-      throw InputError("parameter '" + name +
-                       "' is not known to the simulated controller; possible are plan, hide, seed, bounce_s, "
-                       "acceleration_m_s2, acceleration_rad_s2, fault");
-  }
-  if (!(linear > 0.0) || !(turning > 0.0))
-    throw InputError("the acceleration of the simulated controller must be above 0");
+  refuseUnknownParametersOf(
+      setup, "simulated",
+      {"plan", "hide", "seed", "bounce_s", "acceleration_m_s2", "acceleration_rad_s2", "fault"});
+  const std::string file = textParameterOf(setup, "plan", "");
+  if (!file.empty()) plan = Plan::load(file, machine);
+  request.hide = splitSources(textParameterOf(setup, "hide", ""));
+  request.seed = static_cast<std::uint64_t>(numberParameterOf(setup, "seed", 1.0, 0.0, 1e18));
+  bounce_ = numberParameterOf(setup, "bounce_s", bounce_, 0.0, 60.0);
+  const double linear = numberParameterOf(setup, "acceleration_m_s2", kAcceleration, 1e-9, 1e9);
+  const double turning = numberParameterOf(setup, "acceleration_rad_s2", kTurning, 1e-9, 1e9);
+  fault_ = faultOf(textParameterOf(setup, "fault", "none"));
   instrument_ = std::make_unique<SimulatedInstrument>(makeInstrument(machine, plan, request));
   std::vector<std::string> ofPlan;
   for (HiddenSource source : instrument_->known) {
@@ -366,11 +346,7 @@ void SimulatedController::resetEmergencyStop() {
   emergency_ = false;
 }
 
-std::vector<ProbeEdge> SimulatedController::takeProbeEdges() {
-  std::vector<ProbeEdge> edges;
-  edges.swap(edges_);
-  return edges;
-}
+std::vector<ProbeEdge> SimulatedController::takeProbeEdges() { return std::exchange(edges_, {}); }
 
 std::optional<ProbeEdge> SimulatedController::readLaser() {
   const std::optional<Trip> trip = instrument_->machine.readLaser();

@@ -173,7 +173,7 @@ TEST_F(AJointThatNobodyLatched, IsRefusedWithoutStatesOnBothSidesOrWithoutAZero)
   expectRefused("no driver reports its position");
   states(98.0, 100.05);
   expectRefused("there is no joint state behind the contact");
-  resting_.forget();
+  resting_ = {};
   says(99.0, false);
   states(99.95, 100.2);
   expectRefused("there is no joint state before the contact");

@@ -3,38 +3,12 @@
 
 #include "ros_bridge/bounded_log.h"
 #include "ros_bridge/session_collector.h"
+#include "session_messages.h"
 
 namespace mm {
 namespace {
 
-constexpr double kStart = 5000.0;  // s
-
-ros::Time at(double t) { return ros::Time(kStart + t); }
-
-measuring_machine::Artifact artifact(double t) {
-  measuring_machine::Artifact message;
-  message.header.stamp = at(t);
-  message.name = "ball";
-  message.pose_known = true;
-  message.tip_radius = 1e-3;
-  message.repeatability = 1e-6;
-  message.features.resize(1);
-  message.features[0].name = "b0";
-  message.features[0].position_known = true;
-  message.features[0].radius = 4e-3;
-  return message;
-}
-
-measuring_machine::ProbeContact contact(double t) {
-  measuring_machine::ProbeContact message;
-  message.header.stamp = at(t);
-  message.name = {"x", "y", "z"};
-  message.position = {5e-3, 0.0, 0.0};
-  message.velocity = {1e-3, 0.0, 0.0};
-  message.laser_reading = kNotMeasured;
-  message.feature = "b0";
-  return message;
-}
+using namespace test;
 
 measuring_machine::Measured measured(const ros::Time& session, std::uint32_t contacts) {
   measuring_machine::Measured message;
@@ -43,19 +17,12 @@ measuring_machine::Measured measured(const ros::Time& session, std::uint32_t con
   return message;
 }
 
-sensor_msgs::Temperature bed(double t) {
-  sensor_msgs::Temperature message;
-  message.header.stamp = at(t);
-  message.temperature = 20.0;
-  return message;
-}
-
 /// With contacts at 1, 2, … `contacts` seconds.
 SessionCollector collector(int contacts, std::size_t most = 0) {
   SessionCollector c("test");
   if (most > 0) c.bound(most);
   c.setMachine(Machine::load("three_axis"));
-  c.addArtifact(artifact(0.0));
+  c.addArtifact(artifact(at(0.0)));
   for (int i = 1; i <= contacts; ++i) c.addContact(contact(i));
   return c;
 }
@@ -74,7 +41,7 @@ TEST(Measured, APlanThatWasOverIsNotMissed) {
   SessionCollector c("test");
   c.setMachine(Machine::load("three_axis"));
   c.addMeasured(measured(at(-100.0), 24));  // latched, of the plan before
-  c.addArtifact(artifact(0.0));
+  c.addArtifact(artifact(at(0.0)));
   c.addContact(contact(1.0));
   c.addMeasured(measured(at(0.0), 1));
   EXPECT_EQ(c.build().warning, "");
@@ -117,7 +84,7 @@ TEST(SessionBounds, WhatWasLoggedBeforeTheSessionGoesFirst) {
   c.bound(100);
   c.setMachine(Machine::load("three_axis"));
   for (int i = 0; i < 1000; ++i) c.addTemperature("bed", bed(-1000.0 + i));
-  c.addArtifact(artifact(0.0));
+  c.addArtifact(artifact(at(0.0)));
   c.dropBefore(nanoseconds(at(0.0)));
   c.addContact(contact(1.0));
   for (int i = 0; i < 90; ++i) c.addTemperature("bed", bed(i));

@@ -6,45 +6,12 @@
 #include "ros_bridge/axis_messages.h"
 #include "ros_bridge/session_collector.h"
 #include "session/session_summary.h"
+#include "session_messages.h"
 
 namespace mm {
 namespace {
 
-constexpr double kStart = 5000.0;  // s
-
-ros::Time at(double t) { return ros::Time(kStart + t); }
-
-measuring_machine::Artifact artifact(const ros::Time& stamp) {
-  measuring_machine::Artifact message;
-  message.header.stamp = stamp;
-  message.name = "ball";
-  message.pose_known = true;
-  message.tip_radius = 1e-3;
-  message.repeatability = 1e-6;
-  message.features.resize(1);
-  message.features[0].name = "b0";
-  message.features[0].position_known = true;
-  message.features[0].radius = 4e-3;
-  return message;
-}
-
-measuring_machine::ProbeContact contact(double t, double x) {
-  measuring_machine::ProbeContact message;
-  message.header.stamp = at(t);
-  message.name = {"x", "y", "z"};
-  message.position = {x, 0.0, 0.0};
-  message.velocity = {1e-3, 0.0, 0.0};
-  message.laser_reading = kNotMeasured;
-  message.feature = "b0";
-  return message;
-}
-
-sensor_msgs::Temperature bed(double t, double value) {
-  sensor_msgs::Temperature message;
-  message.header.stamp = at(t);
-  message.temperature = value;
-  return message;
-}
+using namespace test;
 
 SessionCollector collectorWith(const std::vector<double>& temperaturesAt) {
   SessionCollector c("test");
