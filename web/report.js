@@ -327,7 +327,7 @@ function thermal() {
   const t = data.thermal, between = (test, one) => one.hours.some((h) => h >= test.hours[0] && h <= test.hours[1]);
   if (!t.tests.length && !data.networks.length) return;
   const range = (one) => [one.sensor, num(Math.min(...one.temperature), 4), num(Math.max(...one.temperature), 4), num(one.range)];
-  section("thermal", "Thermal effects by ISO 230-3", t.tests.length ? lead("Displacement found by an independent instrument, from the first reading, while the machine warms and cools. Where nothing tells when the heating ended, it is taken up to the largest displacement. ± is the expanded uncertainty (k = 2) from the noise of the readings alone, where that is known. Noise makes a range too large by the share that is stated; subtract it where it matters.") : null,
+  section("thermal", "Displacement against time, figures of ISO 230-3", t.tests.length ? lead("Displacement found by an independent instrument, from the first reading, while the machine warms and cools. Where nothing tells when the heating ended, it is taken up to the largest displacement. ± is the expanded uncertainty (k = 2) from the noise of the readings alone, where that is known. Noise makes a range too large by the share that is stated; subtract it where it matters.") : null,
     data.networks.map((n) => el("p", {}, el("b", {}, n.in_words), ": ", said(n.summary))),
     t.tests.map((test) => thermalTest(test, t.temperatures.filter((one) => between(test, one)))),
     t.temperatures.length ? table("Temperatures" + (t.temperatures.length === 12 ? " of twelve sensors" : ""), [["Sensor"], ["lowest, °C", "n"], ["highest, °C", "n"], ["range, K", "n"]], t.temperatures.map(range)) : null);

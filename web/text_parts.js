@@ -66,7 +66,7 @@ function pValue(p) {
   if (!known(p)) return "–";
   if (p >= 0.995) return "1";
   if (p >= 0.001) return p.toFixed(p < 0.1 ? 3 : 2);
-  if (p < 1e-10) return "< " + power(-10);
+  if (p < 1e-6) return "< " + power(-6);
   const [mantissa, exponent] = p.toExponential(0).split("e");
   return mantissa + " × " + power(Number(exponent));
 }

@@ -28,23 +28,10 @@ Json intervalJson(const TrialFigure& f, double unit) {
 }
 
 std::string badgeOf(TrialVerdict verdict) {
-  switch (verdict) {
-    case TrialVerdict::kHelped:
-      return "It helped";
-    case TrialVerdict::kHelpedInPart:
-      return "It helped in part";
-    case TrialVerdict::kOvercorrected:
-      return "It corrects too much";
-    case TrialVerdict::kDidNothing:
-      return "It did nothing";
-    case TrialVerdict::kWrongSign:
-      return "Wrong sign";
-    case TrialVerdict::kWorse:
-      return "It made it worse";
-    case TrialVerdict::kCannotTell:
-      break;
-  }
-  return "Cannot tell";
+  static constexpr const char* kBadges[] = {"It helped",      "It helped in part", "It corrects too much",
+                                            "It did nothing", "Wrong sign",        "It made it worse",
+                                            "Cannot tell"};
+  return kBadges[static_cast<std::size_t>(verdict)];
 }
 
 std::string testText(const BlindReport& r) {

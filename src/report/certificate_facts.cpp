@@ -5,6 +5,7 @@
 #include "base/format.h"
 #include "base/text.h"
 #include "base/units.h"
+#include "machine/joint_units.h"
 #include "report/certificate_figures.h"
 #include "report/text_parts.h"
 #include "verification/trend.h"
@@ -69,6 +70,16 @@ void addAxes(const Domain& d, const TaskConditions& given, std::vector<StatedFac
                                          given.approach.y(), given.approach.z())});
 }
 
+/// Unit that the name of a covariate carries: "%" of "humidity_percent"; empty: none.
+std::string covariateUnit(const std::string& name) {
+  const std::size_t at = name.rfind('_');
+  const std::string unit = at == std::string::npos ? std::string() : name.substr(at + 1);
+  if (unit == "percent") return "%";
+  for (const char* known : {"hPa", "kPa", "Pa", "bar", "degC", "K"})
+    if (unit == known) return unit;
+  return {};
+}
+
 bool anyKnownTemperature(const Domain& d) {
   for (std::size_t s = 0; s < d.sensors.size(); ++s)
     if (std::isfinite(d.sensorLower[s]) && std::isfinite(d.sensorUpper[s])) return true;
@@ -121,13 +132,22 @@ std::vector<StatedFact> conditionsOfPrediction(const Certificate& c) {
   return facts;
 }
 
-std::string covariateUnit(const std::string& name) {
-  const std::size_t at = name.rfind('_');
-  const std::string unit = at == std::string::npos ? std::string() : name.substr(at + 1);
-  if (unit == "percent") return "%";
-  for (const char* known : {"hPa", "kPa", "Pa", "bar", "degC", "K"})
-    if (unit == known) return unit;
-  return {};
+std::vector<StatedFact> axisRanges(const Domain& d) {
+  std::vector<StatedFact> ranges;
+  for (std::size_t j = 0; j < d.joints.size(); ++j) {
+    const JointUnit unit = readingUnit(d.joints[j]);
+    ranges.push_back(
+        {d.joints[j].name, rangeText(d.lower[j] / unit.factor, d.upper[j] / unit.factor, unit.symbol)});
+  }
+  return ranges;
+}
+
+std::vector<StatedFact> covariateRanges(const Domain& d) {
+  std::vector<StatedFact> ranges;
+  for (std::size_t v = 0; v < d.covariates.size(); ++v)
+    ranges.push_back({d.covariates[v],
+                      rangeText(d.covariateLower[v], d.covariateUpper[v], covariateUnit(d.covariates[v]))});
+  return ranges;
 }
 
 std::string decisionRule(const Certificate& c) {

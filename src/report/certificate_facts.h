@@ -30,8 +30,9 @@ std::string dateOfMeasurement(const Calibration& calibration);
 /// Under which conditions the tasks are predicted. What the issuer stated is marked, with what it replaces.
 std::vector<StatedFact> conditionsOfPrediction(const Certificate& certificate);
 
-/// Unit that the name of a covariate carries: "%" of "humidity_percent"; empty: none.
-std::string covariateUnit(const std::string& name);
+/// Over which ranges the axes, and the covariates, were calibrated: "-12 to 12 mm".
+std::vector<StatedFact> axisRanges(const Domain& domain);
+std::vector<StatedFact> covariateRanges(const Domain& domain);
 
 /// By which rule conformity is stated and what it rests on, or why none is stated.
 std::string decisionRule(const Certificate& certificate);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/format.h"
+#include "base/quantity_words.h"
 #include "base/text.h"
 #include "base/units.h"
 #include "effects/effect_words.h"
@@ -17,18 +18,6 @@ namespace mm {
 namespace {
 
 constexpr double kManyDegreesOfFreedom = 200.0;  // above it a Student's t is a normal distribution
-
-/// Decimals that show two significant digits of an uncertainty.
-int decimalsOf(double expanded) {
-  return expanded > 0.0 && std::isfinite(expanded)
-             ? std::clamp(1 - static_cast<int>(std::floor(std::log10(expanded))), 0, 9)
-             : 3;
-}
-
-std::string decimalText(double value, int decimals) {
-  const std::string text = format("%.*f", decimals, value);
-  return text.find_first_of("123456789") == std::string::npos && text[0] == '-' ? text.substr(1) : text;
-}
 
 /// Three significant digits, without an exponent.
 std::string threeDigits(double value) {
@@ -137,8 +126,6 @@ StatedFigure figureOfQuantity(const QuantityUncertainty& q, bool wholeTest) {
 
 std::string timesText(double ratio) { return format("%.*f times", ratio < 10.0 ? 1 : 0, ratio); }
 
-bool isBall(const FoundInArtifact& feature) { return feature.ball; }
-
 /// Whether a task's points are on one line, where of the artifact its scale alone matters.
 bool isAlongLine(const std::string& task) {
   return startsWith(task, "distance:") || startsWith(task, "iso230-2:");
@@ -153,17 +140,9 @@ std::string whoseUncertainty(const std::vector<std::string>& names, std::size_t 
 }  // namespace
 
 const char* nameOf(FigureOrigin origin) {
-  switch (origin) {
-    case FigureOrigin::kEstimated:
-      return "estimated from the measurements";
-    case FigureOrigin::kMeasured:
-      return "measured";
-    case FigureOrigin::kCalculated:
-      return "calculated, not measured";
-    case FigureOrigin::kPredicted:
-      break;
-  }
-  return "predicted, not measured";
+  static constexpr const char* kNames[] = {"estimated from the measurements", "measured",
+                                           "calculated, not measured", "predicted, not measured"};
+  return kNames[static_cast<std::size_t>(origin)];
 }
 
 std::string rangeText(double lower, double upper, const std::string& unit) {
@@ -176,10 +155,10 @@ bool timesRecorded(const Domain& domain) { return domain.duration > 0.0; }
 std::string driftText(const Domain& domain, const Wandering& drift) {
   const int j = domain.findJoint(drift.direction);
   const bool rotary = j >= 0 && domain.joints[static_cast<std::size_t>(j)].kind == JointKind::kRotary;
-  return "along " + drift.direction +
+  return "along " + (drift.direction == "approach" ? "the approach" : drift.direction) +
          format(": standard deviation %.2g %s", drift.std / (rotary ? kArcsecond : kMicrometre),
                 rotary ? "arcsec" : "um") +
-         (timesRecorded(domain) ? format(", time constant %.3g min", drift.timeConstant / 60.0)
+         (timesRecorded(domain) ? ", time constant " + durationInWords(drift.timeConstant)
                                 : ", in the order of the measurements; no times were recorded");
 }
 
@@ -289,7 +268,7 @@ std::vector<std::string> uncertaintyNotStated(const Calibration& calibration,
     if (!f.free && !(f.std.maxCoeff() > 0.0)) places.push_back(f.name);
     if (f.ball && !(f.radiusStd > 0.0)) radii.push_back(f.name);
   }
-  const bool points = !a.found.empty() && std::none_of(a.found.begin(), a.found.end(), isBall);
+  const bool points = !a.found.empty() && balls == 0;
   std::vector<std::string> missing;
   const std::string artifact = "artifact '" + a.name + "': the uncertainty of the ";
   const bool scaleStatesIt = scale && (points || alongLine);

@@ -99,17 +99,10 @@ std::string referenceSection(const Certificate& c) {
 std::string environmentSection(const Calibration& c) {
   const Domain& d = c.domain;
   std::string html = sectionHead("Conditions and range of validity") + "<table class=\"facts\">";
-  for (std::size_t j = 0; j < d.joints.size(); ++j) {
-    const bool rotary = d.joints[j].kind == JointKind::kRotary;
-    const double unit = rotary ? kDegree : kMillimetre;
-    html += factRow("Axis " + d.joints[j].name,
-                    rangeText(d.lower[j] / unit, d.upper[j] / unit, rotary ? "deg" : "mm"));
-  }
+  for (const StatedFact& range : axisRanges(d)) html += factRow("Axis " + range.name, range.text);
   for (std::size_t s = 0; s < d.sensors.size(); ++s)
     html += factRow("Temperature " + d.sensors[s], rangeText(d.sensorLower[s], d.sensorUpper[s], "degC"));
-  for (std::size_t v = 0; v < d.covariates.size(); ++v)
-    html += factRow(d.covariates[v],
-                    rangeText(d.covariateLower[v], d.covariateUpper[v], covariateUnit(d.covariates[v])));
+  for (const StatedFact& range : covariateRanges(d)) html += factRow(range.name, range.text);
   if (d.sensors.empty()) html += factRow("Temperature", "not recorded");
   html += factRow("Duration", timesRecorded(d) ? format("%.3g h", d.duration / 3600.0) : "not recorded");
   for (const Wandering& w : c.drift)

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "base/format.h"
+#include "base/range.h"
 #include "base/tiny.h"
 #include "base/units.h"
 #include "report/report_page.h"
@@ -118,18 +119,19 @@ std::string curveOf(const PlotFrame& f, const PlotSeries& s) {
 
 std::string svgPlot(const std::string& x, const std::string& y, const std::vector<PlotSeries>& series,
                     bool fromZero, bool counted) {
-  double lowX = 1e300, highX = -1e300, lowY = 1e300, highY = -1e300;
+  Range alongX, alongY;
   for (const PlotSeries& s : series)
     for (std::size_t i = 0; i < s.x.size(); ++i) {
       const double band = s.band.empty() ? 0.0 : s.band[i];
-      lowX = std::min(lowX, s.x[i]);
-      highX = std::max(highX, s.x[i]);
-      lowY = std::min(lowY, s.y[i] - band);
-      highY = std::max(highY, s.y[i] + band);
+      alongX.add(s.x[i]);
+      alongY.add(s.y[i] - band);
+      alongY.add(s.y[i] + band);
     }
-  if (fromZero) lowX = std::min(lowX, 0.0), lowY = std::min(lowY, 0.0);
-  if (!(highX >= lowX) || !std::isfinite(lowY) || !std::isfinite(highY)) return {};
-  const PlotFrame f{scaleOf(lowX, highX, counted ? 1.0 : 0.0), scaleOf(lowY, highY)};
+  if (!alongX.any() || !std::isfinite(alongY.size())) return {};
+  for (Range* range : {&alongX, &alongY})
+    if (fromZero) range->lower = std::min(range->lower, 0.0);
+  const PlotFrame f{scaleOf(alongX.lower, alongX.upper, counted ? 1.0 : 0.0),
+                    scaleOf(alongY.lower, alongY.upper)};
   std::string svg =
       format("<svg viewBox=\"0 0 %.0f %.0f\" role=\"img\">", kPlotWidth, kPlotHeight) + kPlotStyle + grid(f);
   double at = kPlotLeft;

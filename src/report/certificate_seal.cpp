@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "base/checksum.h"
 #include "base/error.h"
 #include "base/text.h"
 #include "calibration_file/calibration_yaml.h"
@@ -47,12 +48,7 @@ std::string sha256Of(const std::string& bytes) {
   unsigned int size = 0;
   if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), &size, EVP_sha256(), nullptr) != 1)
     throw Error("SHA-256 is not available in this system's OpenSSL");
-  std::string text;
-  for (unsigned int i = 0; i < size; ++i) {
-    text += "0123456789abcdef"[digest[i] >> 4];
-    text += "0123456789abcdef"[digest[i] & 15];
-  }
-  return text;
+  return hexDigits(digest.data(), size);
 }
 
 std::string sealedCertificate(const std::string& content, const CertificateSeal& seal) {

@@ -143,15 +143,8 @@ void addDeclaration(XMLElement& list, const std::string& name, const std::string
 
 std::string rangesOf(const Domain& d) {
   std::string text;
-  for (std::size_t j = 0; j < d.joints.size(); ++j) {
-    const bool rotary = d.joints[j].kind == JointKind::kRotary;
-    const double unit = rotary ? kDegree : kMillimetre;
-    text += (j == 0 ? "" : "; ") + d.joints[j].name + " " +
-            rangeText(d.lower[j] / unit, d.upper[j] / unit, rotary ? "deg" : "mm");
-  }
-  for (std::size_t v = 0; v < d.covariates.size(); ++v)
-    text += "; " + d.covariates[v] + " " +
-            rangeText(d.covariateLower[v], d.covariateUpper[v], covariateUnit(d.covariates[v]));
+  for (const std::vector<StatedFact>& ranges : {axisRanges(d), covariateRanges(d)})
+    for (const StatedFact& range : ranges) text += (text.empty() ? "" : "; ") + range.name + " " + range.text;
   return text;
 }
 
@@ -175,18 +168,17 @@ void addStatements(XMLElement& data, const Certificate& c) {
   if (!c.tasks.empty())
     for (const StatedFact& fact : conditionsOfPrediction(c))
       addDeclaration(list, "condition of the prediction: " + fact.name, fact.text);
-  addText(addStatement(list, "range of validity"), "dcc:declaration", rangesOf(c.calibration.domain));
+  addDeclaration(list, "range of validity", rangesOf(c.calibration.domain));
   for (const Wandering& w : c.calibration.drift)
-    addText(addStatement(list, timesRecorded(c.calibration.domain) ? "drift seen" : "variation seen"),
-            "dcc:declaration", driftText(c.calibration.domain, w));
-  addText(addStatement(list, "model"), "dcc:declaration", modelLeaves(c.calibration));
+    addDeclaration(list, timesRecorded(c.calibration.domain) ? "drift seen" : "variation seen",
+                   driftText(c.calibration.domain, w));
+  addDeclaration(list, "model", modelLeaves(c.calibration));
   for (const CertifiedTask& task : c.tasks) {
     for (const std::string& why : task.result.outside)
-      addText(addStatement(list, "validity: " + task.result.task), "dcc:declaration",
-              "The calibration does not hold " + why);
+      addDeclaration(list, "validity: " + task.result.task, "The calibration does not hold " + why);
     if (task.asked && task.verdicts.empty())
-      addText(addStatement(list, "conformity: " + task.result.task), "dcc:declaration",
-              "No statement of conformity: " + joined(task.noConformity, "; "));
+      addDeclaration(list, "conformity: " + task.result.task,
+                     "No statement of conformity: " + joined(task.noConformity, "; "));
     for (const TaskVerdict& v : task.verdicts) {
       XMLElement& statement =
           addStatement(list, (v.measured ? "conformity: " : "prediction: ") + task.result.task);
@@ -196,7 +188,7 @@ void addStatements(XMLElement& data, const Certificate& c) {
         addLeaf(statement, "dcc:conformity", v.conformity == Conformity::kConforms ? "pass" : "fail");
     }
   }
-  if (!c.facts.remark.empty()) addText(addStatement(list, "remark"), "dcc:declaration", c.facts.remark);
+  if (!c.facts.remark.empty()) addDeclaration(list, "remark", c.facts.remark);
 }
 
 XMLElement& addPerson(XMLElement& list, const std::string& name, const char* role) {

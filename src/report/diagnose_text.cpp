@@ -96,14 +96,23 @@ std::string artifactText(const Diagnosis& d) {
 
 std::string inputsText(const Diagnosis& d) {
   if (d.missingInputs.empty()) return {};
-  std::string text = "\nNot recorded\n";
+  std::vector<std::pair<std::string, std::string>> lines;  // what follows, and from which inputs
   for (const MissingInput& input : d.missingInputs) {
-    std::string what = input.assumed.empty() ? "" : "assumed " + input.assumed;
+    std::string what = input.assumed.empty() ? "" : ": assumed " + input.assumed;
     if (input.assumed.empty() && !input.effects.empty())
-      what = listInWords(input.effects) + " cannot be excluded without it";
-    text += wrapped("  ", input.input + (what.empty() ? "" : ": " + what));
+      what = ": " + listInWords(input.effects) + " cannot be excluded without it";
+    if (!lines.empty() && lines.back().first == what)
+      lines.back().second += ", " + input.input;
+    else
+      lines.emplace_back(what, input.input);
   }
+  std::string text = "\nNot recorded\n";
+  for (const auto& [what, inputs] : lines) text += wrapped("  ", inputs + what);
   return text;
+}
+
+bool repeatabilityKnown(const Diagnosis& d) {
+  return d.base.repeatabilityFrom == "declared" || d.base.repeatabilityFrom == "repeated";
 }
 
 std::string figuresText(const Diagnosis& d) {
@@ -112,12 +121,12 @@ std::string figuresText(const Diagnosis& d) {
                      length(d.angular ? f.heldOutRmsAngular : f.heldOutRms, d.angular);
   if (d.heldOut > 0.0 && !(d.missing.empty() && d.profiles.empty()))
     text += "; with what was found, held out " + length(d.heldOut, d.angular);
-  const bool known = d.base.repeatabilityFrom == "declared" || d.base.repeatabilityFrom == "repeated";
   text +=
       "\n  repeatability " +
-      (known ? length(d.base.repeatability, d.angular) + " (" +
-                   (d.base.repeatabilityFrom == "repeated" ? "from repeated measurements" : "declared") + ")"
-             : "not known");
+      (repeatabilityKnown(d)
+           ? length(d.base.repeatability, d.angular) + " (" +
+                 (d.base.repeatabilityFrom == "repeated" ? "from repeated measurements" : "declared") + ")"
+           : "not known");
   if (d.noise > 0.0) {
     const double unit = d.angular ? kArcsecond : kMicrometre;
     text += ", noise found " + expanded(d.noise / unit, d.noiseStd / unit, d.angular ? "arcsec" : "um");
@@ -169,12 +178,20 @@ std::string nextName(const std::string& file) {
          (dot < file.size() ? file.substr(dot) : ".yaml");
 }
 
-/// Effects that stayed hidden for the same reason, and that the same would show, on one line.
+/// Effects that stayed hidden for the same reason, and that the same would show, on one line; those of joints
+/// that never moved on one line too.
 std::string cannotShowText(const Diagnosis& d) {
   if (d.cannotShow.empty()) return {};
   constexpr std::size_t kShown = 6, kNames = 3;
   std::vector<std::pair<const CannotShow*, std::vector<EffectSpec>>> lines;
+  const std::vector<std::string> idle =
+      d.base.problem ? idleJoints(d.base.problem->model().domain()) : std::vector<std::string>();
+  std::size_t ofIdle = 0;
   for (const CannotShow& c : d.cannotShow) {
+    if (isOf(c.effect, idle)) {
+      ++ofIdle;
+      continue;
+    }
     const auto same = std::find_if(lines.begin(), lines.end(), [&](const auto& line) {
       return line.first->why == c.why && line.first->moves == c.moves;
     });
@@ -183,7 +200,7 @@ std::string cannotShowText(const Diagnosis& d) {
     else
       same->second.push_back(c.effect);
   }
-  std::string text = "\nThis session cannot exclude\n";
+  std::string text = "\nThis session cannot exclude\n" + idleText(idle, ofIdle);
   std::size_t more = 0;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const auto& [of, effects] = lines[i];
@@ -213,6 +230,43 @@ std::string movesCommand(const std::string& session, const std::string& calibrat
   return diagnoseCommand(session, calibration) + " --moves moves.yaml";
 }
 
+namespace {
+
+/// The line to type where nothing is to be added, below what it is for.
+std::string afterwards(const Diagnosis& d, const std::string& session, const std::string& calibration) {
+  if (d.verdict == Verdict::kQuestion)
+    return "\nWhen the session is corrected:\n  " + diagnoseCommand(session, calibration) + "\n";
+  if (d.verdict == Verdict::kInsufficientData)
+    return "\nType next, to see what the session can show:\n  mm check " + bagsTyped(session) + "\n";
+  if (d.verdict == Verdict::kExplained && d.variations.empty())
+    return "\nType next:\n  mm promote " + quoted(calibration) + "\n";
+  if (d.verdict == Verdict::kScatter && !repeatabilityKnown(d) && !d.angular)
+    return "\nWith the standard deviation, um, of the twenty readings in place of STD:\n  " +
+           diagnoseCommand(session, calibration) + " --repeatability-um STD\n";
+  return "\nType next, to see what is left over each variable:\n  mm report " + bagsTyped(session) +
+         " --calibration " + quoted(calibration) + " -o report.html\n";
+}
+
+/// The line to type next: every verdict has one.
+std::string nextLines(const Diagnosis& d, const std::string& session, const std::string& calibration) {
+  const bool measure = d.verdict == Verdict::kConfusable && !d.nextMeasurement.empty();
+  const std::string add = d.verdict == Verdict::kQuestion ? "" : addCommand(d, session, calibration);
+  if (add.empty() && !measure) return afterwards(d, session, calibration);
+  std::string text;
+  if (measure)
+    text =
+        "\nNext, write a plan of the moves and measure it:\n  " + movesCommand(session, calibration) + "\n";
+  const bool certain = !std::all_of(d.missing.begin(), d.missing.end(), hasRivals);
+  if (!add.empty())
+    text += (!measure  ? "\nType next:\n  "
+             : certain ? "\nAdd the certain effect now:\n  "
+                       : "\nOr, without measuring, add the most probable:\n  ") +
+            add + "\n";
+  return text;
+}
+
+}  // namespace
+
 std::string errorText(const Diagnosis& d) {
   if (!d.base.problem) return {};
   const ResidualFigures& f = d.base.figures;
@@ -228,7 +282,8 @@ std::string diagnoseText(const Diagnosis& d, const std::string& session, const s
   std::string text = d.sentence + "\n";
   if (d.base.problem)
     for (const StandardTest& test : standardTests(d.base.problem->session())) text += test.inWords + "\n";
-  if (d.verdict == Verdict::kQuestion) return text + (d.base.problem ? figuresText(d) : "");
+  if (d.verdict == Verdict::kQuestion)
+    return text + (d.base.problem ? figuresText(d) : "") + nextLines(d, session, calibration);
   if (d.base.problem) text += figuresText(d) + "\n" + whereText(d.where);
   std::string named, oneOf;
   for (const CandidateResult& c : d.missing)
@@ -255,18 +310,7 @@ std::string diagnoseText(const Diagnosis& d, const std::string& session, const s
       text += "  " + moveText(d.nextMeasurement[i]) + "\n";
     if (d.nextMeasurement.size() > kShown) text += "  … (--json lists them)\n";
   }
-  const bool measure = d.verdict == Verdict::kConfusable && !d.nextMeasurement.empty();
-  if (measure)
-    text +=
-        "\nNext, write a plan of the moves and measure it:\n  " + movesCommand(session, calibration) + "\n";
-  const std::string next = addCommand(d, session, calibration);
-  const bool certain = !std::all_of(d.missing.begin(), d.missing.end(), hasRivals);
-  if (!next.empty())
-    text += (!measure  ? "\nType next:\n  "
-             : certain ? "\nAdd the certain effect now:\n  "
-                       : "\nOr, without measuring, add the most probable:\n  ") +
-            next + "\n";
-  return text;
+  return text + nextLines(d, session, calibration);
 }
 
 }  // namespace mm

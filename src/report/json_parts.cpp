@@ -85,6 +85,20 @@ Json beforeAndAfter(bool angular, const std::string& name, double before, double
   return underUnit(angular, name, {before / unitOf(angular), after / unitOf(angular)});
 }
 
+Json storedJson(const CalibrationStore::Entry& e) {
+  return {{"id", e.id},
+          {"created", e.created},
+          {"active", e.active},
+          {"candidate", e.candidate},
+          {"promotions", e.promotions},
+          {"machine", e.machine},
+          {"effects", e.effects},
+          {"rms_um", e.rms / kMicrometre},
+          {"held_out_rms_um", e.heldOutRms / kMicrometre},
+          {"session", e.session},
+          {"damaged", e.damaged}};
+}
+
 Json figuresJson(const ResidualFigures& f, bool heldOut) {
   return jsonObject({figureJson("rms", f.rms, f.rmsAngular),
                      heldOut ? figureJson("held_out_rms", f.heldOutRms, f.heldOutRmsAngular) : Json()});

@@ -4,6 +4,7 @@
 
 #include "base/json_text.h"
 #include "calibration_file/calibration.h"
+#include "calibration_file/calibration_store.h"
 #include "design/point_set.h"
 #include "diagnosis/diagnose.h"
 #include "effects/effect_spec.h"
@@ -72,6 +73,8 @@ Json outliersJson(const CalibrationResult& result);
 Json sessionNotes(const Session& session, const std::vector<Doubt>& questions);
 /// Each effect of a calibration with its values, nominal and found, in the units of people.
 Json parametersJson(const Calibration& calibration);
+/// One calibration of a store, as `mm history --json` lists it.
+Json storedJson(const CalibrationStore::Entry& entry);
 /// What `mm diagnose --json` prints, as an object.
 Json diagnosisJson(const Diagnosis& diagnosis);
 /// What `mm check --json` prints, as an object.

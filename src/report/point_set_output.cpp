@@ -105,21 +105,34 @@ std::string adviceText(const PointSet& set) {
   return text;
 }
 
-/// Members of one type that are hidden for the same reason, on one line.
+/// "axis x, degree 2"
+std::string keysOf(const EffectSpec& effect) {
+  std::string text;
+  for (const auto& [key, value] : effect.keys) {
+    text += (text.empty() ? "" : ", ") + key;
+    for (const std::string& item : value.items) text += " " + item;
+  }
+  return text;
+}
+
+/// Members of one type that are hidden for the same reason, on one line; those of joints that never moved on
+/// one line too.
 std::string hiddenText(const PointSet& set) {
   if (set.cannotShow.empty()) return "\nEvery effect of the catalogue would show in this session.\n";
-  std::string text = "\nThis session cannot show (--json says what would)\n";
-  std::vector<char> told(set.cannotShow.size(), 0);
+  const std::vector<std::string> idle = idleJoints(set.problem->model().domain());
+  std::vector<char> told;
+  for (const CannotBeShown& c : set.cannotShow) told.push_back(isOf(c.effect, idle) ? 1 : 0);
+  const auto ofIdle = static_cast<std::size_t>(std::count(told.begin(), told.end(), 1));
+  std::string text = "\nThis session cannot show (--json says what would)\n" + idleText(idle, ofIdle);
   for (std::size_t first = 0; first < set.cannotShow.size(); ++first) {
     if (told[first] != 0) continue;
     const CannotBeShown& head = set.cannotShow[first];
     std::vector<std::string> members;
     for (std::size_t i = first; i < set.cannotShow.size(); ++i) {
       const CannotBeShown& c = set.cannotShow[i];
-      if (c.why != head.why || c.effect.type != head.effect.type) continue;
+      if (told[i] != 0 || c.why != head.why || c.effect.type != head.effect.type) continue;
       told[i] = 1;
-      std::string keys = spoken(c.effect).substr(c.effect.type.size());
-      members.push_back(keys.empty() ? "" : keys.substr(2));
+      members.push_back(keysOf(c.effect));
     }
     text += "  " + padded(head.effect.type, 24);
     constexpr std::size_t kShown = 3;

@@ -6,19 +6,10 @@
 #include <map>
 
 #include "base/units.h"
+#include "uncertainty/residual_of.h"
 
 namespace mm {
 namespace {
-
-/// An observation's residual by component, um; not finite where one was not measured.
-Eigen::VectorXd residualOf(const CalibrationResult& fitted, int observation, std::size_t components) {
-  Eigen::VectorXd left = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(components), kNotMeasured);
-  for (int row = fitted.problem->firstRow(observation); row < fitted.problem->firstRow(observation + 1);
-       ++row)
-    left[fitted.problem->rows()[static_cast<std::size_t>(row)].component] =
-        fitted.residuals[row] / kMicrometre;
-  return left;
-}
 
 constexpr const char* kBallBar = "ball_bar";  // the artifact that mm import makes of one
 
@@ -29,8 +20,7 @@ struct BarRow {
   double radius = 0.0, left = 0.0;  // m, nominal; um, radial deviation that the model leaves
 };
 
-std::vector<BarRow> barRows(const CalibrationResult& fitted) {
-  const Session& session = fitted.problem->session();
+std::vector<BarRow> barRows(const Session& session, const ResidualOf& left) {
   std::vector<BarRow> rows;
   if (session.artifact.name != kBallBar || !session.artifact.poseKnown) return rows;
   for (std::size_t i = 0; i < session.observations.size(); ++i) {
@@ -39,7 +29,7 @@ std::vector<BarRow> barRows(const CalibrationResult& fitted) {
     const Feature& bar = session.artifact.features[static_cast<std::size_t>(o.feature)];
     const Eigen::Vector3d tip = session.machine.nominal(o.position.data(), kNotMeasured).position;
     const BarRow row{o.feature, bar.position, tip - bar.position, bar.radius,
-                     -residualOf(fitted, static_cast<int>(i), 1)[0]};
+                     -left(static_cast<int>(i), 0) / kMicrometre};
     if (row.out.norm() > 0.0 && std::isfinite(row.left)) rows.push_back(row);
   }
   return rows;
@@ -73,8 +63,9 @@ std::vector<CircleTest> circleTests(const CalibrationResult& fitted) {
   const Problem& problem = *fitted.problem;
   const Session& session = problem.session();
   const std::vector<Joint>& joints = session.machine.joints();
+  const ResidualOf left = residualsOf(fitted);
   std::vector<CircleTest> tests;
-  const auto add = [&](std::map<int, std::vector<CirclePlace>>& bySetup, const std::string& first,
+  const auto add = [&](const std::map<int, std::vector<CirclePlace>>& bySetup, const std::string& first,
                        const std::string& second) {
     for (const auto& [setup, places] : bySetup)
       if (std::optional<CircleTest> test = circleTest(places)) {
@@ -84,50 +75,50 @@ std::vector<CircleTest> circleTests(const CalibrationResult& fitted) {
         tests.push_back(std::move(*test));
       }
   };
+  /// @param placeOf of an observation and its index; lengths in m.
+  const auto addPlane = [&](ObservationKind kind, const std::string& first, const std::string& second,
+                            const auto& placeOf) {
+    std::map<int, std::vector<CirclePlace>> bySetup;
+    for (std::size_t i = 0; i < session.observations.size(); ++i) {
+      const Observation& o = session.observations[i];
+      if (o.kind != kind) continue;
+      const CirclePlace p = placeOf(o, static_cast<int>(i));
+      if (p.measured.allFinite() && p.left.allFinite())
+        bySetup[o.setup].push_back({p.nominal / kMillimetre, p.measured / kMicrometre, p.left / kMicrometre});
+    }
+    add(bySetup, first, second);
+  };
   std::vector<int> linear;
   for (std::size_t j = 0; j < joints.size(); ++j)
     if (joints[j].kind == JointKind::kLinear) linear.push_back(static_cast<int>(j));
   const std::size_t planes = linear.size() > 2 ? linear.size() : linear.size() / 2;
   for (std::size_t k = 0; k < planes; ++k) {
     const int a = linear[k], b = linear[(k + 1) % linear.size()];
-    std::map<int, std::vector<CirclePlace>> bySetup;
-    for (std::size_t i = 0; i < session.observations.size(); ++i) {
-      const Observation& o = session.observations[i];
-      if (o.kind != ObservationKind::kDeviation) continue;
-      const Eigen::Vector2d found(o.deviation[static_cast<std::size_t>(a)],
-                                  o.deviation[static_cast<std::size_t>(b)]);
-      const Eigen::VectorXd all = residualOf(fitted, static_cast<int>(i), joints.size());
-      const Eigen::Vector2d left(all[a], all[b]);
-      if (!found.allFinite() || !left.allFinite()) continue;
-      bySetup[o.setup].push_back(
-          {Eigen::Vector2d(o.position[static_cast<std::size_t>(a)], o.position[static_cast<std::size_t>(b)]) /
-               kMillimetre,
-           found / kMicrometre, left});
-    }
-    add(bySetup, joints[static_cast<std::size_t>(a)].name, joints[static_cast<std::size_t>(b)].name);
+    const auto ja = static_cast<std::size_t>(a), jb = static_cast<std::size_t>(b);
+    addPlane(ObservationKind::kDeviation, joints[ja].name, joints[jb].name,
+             [&](const Observation& o, int i) -> CirclePlace {
+               return {{o.position[ja], o.position[jb]},
+                       {o.deviation[ja], o.deviation[jb]},
+                       {left(i, a), left(i, b)}};
+             });
   }
   const std::array<const char*, 3> axes = {"x", "y", "z"};
   for (int a = 0; a < 3; ++a) {
     const int b = (a + 1) % 3;
-    std::map<int, std::vector<CirclePlace>> bySetup;
-    for (std::size_t i = 0; i < session.observations.size(); ++i) {
-      const Observation& o = session.observations[i];
-      if (o.kind != ObservationKind::kPosition) continue;
-      const double reading = std::isfinite(o.laserReading) ? o.laserReading : 0.0;
-      const Eigen::Vector3d tip = session.machine.nominal(o.position.data(), reading).position;
-      Eigen::Vector3d at = o.reference, rest = residualOf(fitted, static_cast<int>(i), 3);
-      if (problem.poseFree(o.placement)) {  // takes all three components
-        const Eigen::Matrix3d rotation = problem.artifactRotation(o.placement, fitted.x);
-        at = rotation * at;
-        rest = rotation * rest;
-      }
-      const Eigen::Vector2d nominal(tip[a], tip[b]), actual(at[a], at[b]), left(rest[a], rest[b]);
-      if (!actual.allFinite() || !left.allFinite()) continue;
-      bySetup[o.setup].push_back({nominal / kMillimetre, (actual - nominal) / kMicrometre, left});
-    }
-    add(bySetup, axes[static_cast<std::size_t>(a)], axes[static_cast<std::size_t>(b)]);
+    addPlane(ObservationKind::kPosition, axes[static_cast<std::size_t>(a)], axes[static_cast<std::size_t>(b)],
+             [&](const Observation& o, int i) -> CirclePlace {
+               const double reading = std::isfinite(o.laserReading) ? o.laserReading : 0.0;
+               const Eigen::Vector3d tip = session.machine.nominal(o.position.data(), reading).position;
+               Eigen::Vector3d at = o.reference, rest(left(i, 0), left(i, 1), left(i, 2));
+               if (problem.poseFree(o.placement)) {  // takes all three components
+                 const Eigen::Matrix3d rotation = problem.artifactRotation(o.placement, fitted.x);
+                 at = rotation * at;
+                 rest = rotation * rest;
+               }
+               return {{tip[a], tip[b]}, {at[a] - tip[a], at[b] - tip[b]}, {rest[a], rest[b]}};
+             });
   }
-  const std::vector<BarRow> bars = barRows(fitted);
+  const std::vector<BarRow> bars = barRows(session, left);
   for (std::size_t f = 0; f < session.artifact.features.size(); ++f) {
     int first = 0, second = 0;
     std::map<int, std::vector<CirclePlace>> places;

@@ -1,6 +1,7 @@
 #include "report/report_page.h"
 
-#include <vector>
+#include <string_view>
+#include <utility>
 
 #include "base/error.h"
 #include "calibration_file/atomic_file.h"
@@ -40,34 +41,10 @@ std::string plotlyText(const fs::path& given) {
 }  // namespace
 
 std::string escapedHtml(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\'':
-        out += "&#39;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
-
-std::string escapedForScript(const std::string& json) {
-  std::string out = json;
-  replaceAll(out, "<", "\\u003c");
+  std::string out = text;
+  for (const auto& [plain, escaped] :
+       {std::pair{"&", "&amp;"}, {"<", "&lt;"}, {">", "&gt;"}, {"\"", "&quot;"}, {"'", "&#39;"}})
+    replaceAll(out, plain, escaped);
   return out;
 }
 
@@ -81,33 +58,34 @@ ReportFiles loadReportFiles(const fs::path& plotly) {
   return files;
 }
 
-std::string filledPage(const std::string& html,
-                       const std::vector<std::pair<std::string, std::string>>& marks) {
+std::string filledPage(const ReportFiles& files, const PageContents& contents) {
+  std::string data = contents.json;
+  replaceAll(data, "<", "\\u003c");
+  const std::pair<const char*, std::string> marks[] = {{"{{title}}", escapedHtml(contents.title)},
+                                                       {"{{style}}", files.css},
+                                                       {"{{sentence}}", escapedHtml(contents.sentence)},
+                                                       {"{{command}}", escapedHtml(contents.command)},
+                                                       {"{{data}}", data},
+                                                       {"{{plotly}}", files.plotly},
+                                                       {"{{script}}", files.js}};
   std::string page;
   std::size_t from = 0;
   for (const auto& [mark, text] : marks) {
-    const std::size_t at = html.find(mark, from);
+    const std::size_t at = files.html.find(mark, from);
     if (at == std::string::npos)
-      throw InputError("report.html: the mark " + mark +
+      throw InputError(std::string("report.html: the mark ") + mark +
                        " is missing or out of order; install the package again");
-    page.append(html, from, at - from).append(text);
-    from = at + mark.size();
+    page.append(files.html, from, at - from).append(text);
+    from = at + std::string_view(mark).size();
   }
-  return page.append(html, from, std::string::npos);
+  return page.append(files.html, from, std::string::npos);
 }
 
 std::string reportPage(const ReportContents& report, const ReportFiles& files) {
-  const std::vector<std::pair<std::string, std::string>> marks = {
-      {"{{title}}", escapedHtml(reportTitle(report))},
-      {"{{style}}", files.css},
-      {"{{sentence}}", escapedHtml(reportSentence(report))},
-      {"{{command}}", escapedHtml(report.calibrated() ? addCommand(report.diagnosis, report.sessionPath,
-                                                                   report.calibrationPath)
-                                                      : std::string())},
-      {"{{data}}", escapedForScript(reportJson(report))},
-      {"{{plotly}}", files.plotly},
-      {"{{script}}", files.js}};
-  return filledPage(files.html, marks);
+  const std::string command = report.calibrated()
+                                  ? addCommand(report.diagnosis, report.sessionPath, report.calibrationPath)
+                                  : std::string();
+  return filledPage(files, {reportTitle(report), reportSentence(report), command, reportJson(report)});
 }
 
 }  // namespace mm

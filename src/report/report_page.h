@@ -1,8 +1,6 @@
 #pragma once
 #include <filesystem>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "report/report_contents.h"
 
@@ -19,14 +17,15 @@ ReportFiles loadReportFiles(const std::filesystem::path& plotly = {});
 
 /// The whole page: one file without links to others. Names from users' files are data, never markup.
 std::string reportPage(const ReportContents& report, const ReportFiles& files);
-/// A page with something in the place of each mark. @param marks in the order of the page: what a user's name
-/// contains is never a mark. @throw InputError: a mark is missing or out of order.
-std::string filledPage(const std::string& html,
-                       const std::vector<std::pair<std::string, std::string>>& marks);
+/// What a page says: plain text, and its data as JSON.
+struct PageContents {
+  std::string title, sentence, command, json;
+};
+/// A page of these files: what a user's name contains is never a mark, and nothing in the data ends a script.
+/// @throw InputError: a mark is missing or out of order.
+std::string filledPage(const ReportFiles& files, const PageContents& contents);
 
 /// Text for an HTML element or attribute.
 std::string escapedHtml(const std::string& text);
-/// JSON or a script for an element `script`: nothing in it can end the element.
-std::string escapedForScript(const std::string& json);
 
 }  // namespace mm

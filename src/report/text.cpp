@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/quantity_words.h"
 #include "base/units.h"
 #include "design/weak_directions.h"
 #include "effects/linearity.h"
+#include "report/certificate_figures.h"
 #include "report/found_features.h"
 #include "report/quantiles.h"
 #include "report/symbols_of.h"
@@ -130,17 +130,11 @@ std::string noiseText(const CalibrationResult& r) {
             (r.centresStd > 0.0 && r.radiiStd > 0.0 ? ", " : "") + by(r.radiiStd, "radii") +
             " (standard deviation); the uncertainties allow for it\n";
   }
-  for (const Drift& d : r.drift) {
-    const int joint = r.problem->model().domain().findJoint(d.direction);
-    const bool turns =
-        joint >= 0 &&
-        r.problem->model().domain().joints[static_cast<std::size_t>(joint)].kind == JointKind::kRotary;
-    text += "  In time        residuals " +
-            (d.direction == "approach" ? "along the approach" : "of " + d.direction) +
-            " follow their neighbours: " + length(d.std, turns) + " RMS with a time constant of " +
-            durationInWords(d.timeConstant) +
-            ", by drift or by an effect that the model lacks; the uncertainties allow for it\n";
-  }
+  for (const Drift& d : r.drift)
+    text +=
+        "  In time        residuals follow their neighbours, by drift or by an effect that the model lacks, "
+        "of this axis or another; the uncertainties allow for a drift " +
+        driftText(r.problem->model().domain(), {d.direction, d.std, d.timeConstant, d.smooth}) + "\n";
   return text;
 }
 

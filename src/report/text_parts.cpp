@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/nearest_name.h"
 #include "base/quantity_words.h"
 #include "base/units.h"
 #include "report/quantiles.h"
@@ -23,15 +24,6 @@ std::string withUncertainty(double value, double std, const std::string& unit) {
   if (decimals > 6 || decimals < -4 || std::abs(value) >= 1e7)
     return format("%.6g ± %.2g", value, wide) + suffix;
   return format("%.*f ± %.*f", std::max(0, decimals), value, std::max(0, decimals), wide) + suffix;
-}
-
-std::string spoken(const EffectSpec& effect) {
-  std::string text = effect.type;
-  for (const auto& [key, value] : effect.keys) {
-    text += ", " + key;
-    for (const std::string& item : value.items) text += " " + item;
-  }
-  return text;
 }
 
 std::string padded(const std::string& text, int width) {
@@ -62,14 +54,44 @@ std::string wrapped(const std::string& head, const std::string& text) {
   return lines + "\n";
 }
 
+std::string probabilityText(double p) { return p < 1e-6 ? "< 1e-6" : format("%.1g", p); }
+
+std::vector<std::string> idleJoints(const Domain& domain) {
+  std::vector<std::string> idle;
+  for (std::size_t j = 0; j < domain.joints.size(); ++j)
+    if (!(domain.upper[j] - domain.lower[j] > kStoodStill)) idle.push_back(domain.joints[j].name);
+  return idle;
+}
+
+bool isOf(const EffectSpec& effect, const std::vector<std::string>& joints) {
+  for (const auto& [key, value] : effect.keys)
+    for (const std::string& item : value.items)
+      if (std::find(joints.begin(), joints.end(), item) != joints.end()) return true;
+  return false;
+}
+
+std::string idleText(const std::vector<std::string>& idle, std::size_t effects) {
+  if (effects == 0) return {};
+  return "  " + listOf(idle) + " never moved: " + std::to_string(effects) + " effects of " +
+         (idle.size() > 1 ? "them or along them" : "it or along it") + " (--json lists them)\n";
+}
+
+namespace {
+
+std::string explainedText(double share, double p) {
+  const std::string chance = probabilityText(p);
+  return format("%5.1f %%   p ", 100.0 * share) + (chance.front() == '<' ? "" : "= ") + chance;
+}
+
+}  // namespace
+
 std::string whereText(const std::vector<WhereItFails>& where) {
   std::string text;
   int shown = 0;
   for (const WhereItFails& w : where) {
     if (w.pValue > 0.05 || ++shown > 8) continue;
-    text += "  " + padded(w.variable, 26) +
-            padded(format("%5.1f %%   p = %.1g", 100.0 * w.share, w.pValue), 24) +
-            format("%5.1f %%   p = %.1g\n", 100.0 * w.shareBeside, w.pBeside);
+    text += "  " + padded(w.variable, 26) + padded(explainedText(w.share, w.pValue), 24) +
+            explainedText(w.shareBeside, w.pBeside) + "\n";
   }
   if (text.empty()) return "Where it fails: no variable explains the residuals.\n";
   return "Where it fails: share of the residual variance\n  " + padded("", 26) + padded("alone", 24) +

@@ -16,8 +16,6 @@ namespace mm {
 std::string length(double value, bool angular);
 /// Value and expanded uncertainty (k = 2, twice `std`), this with two digits: "25.41 ± 0.11 um".
 std::string withUncertainty(double value, double std, const std::string& unit);
-/// "x: backlash" for people is the spec itself without its braces: "backlash, axis x".
-std::string spoken(const EffectSpec& effect);
 /// Pads to a width counted in characters, not bytes.
 std::string padded(const std::string& text, int width);
 /// Lines of at most 100 characters: the first begins with `head`, the others are indented as far.
@@ -25,6 +23,13 @@ std::string wrapped(const std::string& head, const std::string& text);
 /// An error that no effect of the catalogue explains: its curve, drawn with its band.
 std::string profileText(const Diagnosis& diagnosis, const ProfileResult& profile);
 std::string whereText(const std::vector<WhereItFails>& where);
+/// A probability of chance for people: "0.003", or "< 1e-6" where its digits say nothing more.
+std::string probabilityText(double p);
+/// Joints that the measurements never moved; whether an effect is one of them or along them.
+std::vector<std::string> idleJoints(const Domain& domain);
+bool isOf(const EffectSpec& effect, const std::vector<std::string>& joints);
+/// "  y and z never moved: 46 effects of them or along them (--json lists them)".
+std::string idleText(const std::vector<std::string>& idle, std::size_t effects);
 /// The `mm add` line to type next: what is missing first, then what no effect explains; empty when there is
 /// nothing to add.
 std::string addCommand(const Diagnosis& diagnosis, const std::string& session,

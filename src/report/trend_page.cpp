@@ -11,6 +11,7 @@
 #include "effects/effect_words.h"
 #include "report/json_parts.h"
 #include "report/report_page.h"
+#include "report/text_parts.h"
 #include "report/web_files.h"
 
 namespace mm {
@@ -73,7 +74,7 @@ std::string trendSentence(const std::vector<ParameterTrend>& trends) {
   if (std::none_of(trends.begin(), trends.end(),
                    [](const ParameterTrend& t) { return std::isfinite(t.slope); }))
     return format(
-        "No trend can be determined: the %zu calibrations are of the same time, or their ranges are not "
+        "No trend can be determined: the %zu calibrations are of less than a day, or their ranges are not "
         "comparable; compare two with --compare.",
         points);
   if (said.empty())
@@ -109,18 +110,14 @@ std::string trendText(const std::vector<ParameterTrend>& trends) {
 std::string trendPage(const std::vector<ParameterTrend>& trends, const std::string& store,
                       const std::vector<std::string>& left, const std::string& machine,
                       const std::filesystem::path& plotly) {
-  const ReportFiles files = loadReportFiles(plotly);
+  ReportFiles files = loadReportFiles(plotly);
+  files.js = webFile("text_parts.js") + webFile("report_parts.js") + webFile("report_plots.js") +
+             webFile("trend.js");
   Json data = trendObjects(sorted(trends), store, left);
   data["machine"] = machine;
   data["created"] = utcNow();
-  return filledPage(files.html, {{"{{title}}", "Trend of " + escapedHtml(machine)},
-                                 {"{{style}}", files.css},
-                                 {"{{sentence}}", escapedHtml(trendSentence(trends))},
-                                 {"{{command}}", "mm history --trend"},
-                                 {"{{data}}", escapedForScript(jsonText(data))},
-                                 {"{{plotly}}", files.plotly},
-                                 {"{{script}}", webFile("text_parts.js") + webFile("report_parts.js") +
-                                                    webFile("report_plots.js") + webFile("trend.js")}});
+  return filledPage(files,
+                    {"Trend of " + machine, trendSentence(trends), "mm history --trend", jsonText(data)});
 }
 
 std::string changesJson(const CalibrationChanges& c) {
@@ -165,7 +162,7 @@ std::string changesText(const CalibrationChanges& c) {
                   !p.comparable          ? "other range"
                   : std::isfinite(p.std) ? expanded(p.change, p.std, p.unit).c_str()
                                          : (shortNumber(p.change) + " " + p.unit).c_str(),
-                  p.comparable && std::isfinite(p.pValue) ? shortNumber(p.pValue).c_str() : "-");
+                  p.comparable && std::isfinite(p.pValue) ? probabilityText(p.pValue).c_str() : "-");
   if (!c.sameSession) out << "  * significant: p < 1 % for all parameters together\n";
   return out.str();
 }

@@ -56,16 +56,24 @@ std::string budgetText(const QuantityUncertainty& q) {
 
 }  // namespace
 
-std::string millimetres(double value, double std) {
-  const double in = std / kMillimetre;
-  const int digits = in > 0.0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(in))), 0, 9) : 6;
-  const std::string text = format("%.*f", digits, value / kMillimetre);
+int decimalsOf(double expanded, int otherwise) {
+  return expanded > 0.0 && std::isfinite(expanded)
+             ? std::clamp(1 - static_cast<int>(std::floor(std::log10(expanded))), 0, 9)
+             : otherwise;
+}
+
+std::string decimalText(double value, int decimals) {
+  const std::string text = format("%.*f", decimals, value);
   return text.find_first_of("123456789") == std::string::npos && text[0] == '-' ? text.substr(1) : text;
+}
+
+std::string millimetres(double value, double std) {
+  return decimalText(value / kMillimetre, decimalsOf(std / kMillimetre, 6));
 }
 
 std::string twoDigits(double value) {
   if (!(value > 0.0) || !std::isfinite(value)) return format("%g", value);
-  return format("%.*f", std::clamp(1 - static_cast<int>(std::floor(std::log10(value))), 0, 9), value);
+  return decimalText(value, decimalsOf(value));
 }
 
 std::string figureOf(const QuantityUncertainty& q) {

@@ -31,22 +31,10 @@ Json shareJson(const Json& of, const RemainingShare& share, const Verification& 
 /// How the external offsets of an export are loaded; null where it has none.
 Json offsetsJson(const Verification& v) {
   if (!v.offsets) return nullptr;
-  std::string state = "not_told";
-  if (v.hypothesis.offsets) switch (*v.hypothesis.offsets) {
-      case AxisState::kCorrected:
-        state = "loaded";
-        break;
-      case AxisState::kNotCorrected:
-        state = "not_loaded";
-        break;
-      case AxisState::kWrongSign:
-        state = "wrong_sign";
-        break;
-      case AxisState::kTwice:
-        state = "loaded_twice";
-        break;
-    }
-  return shareJson({{"state", state}}, *v.offsets, v);
+  static constexpr const char* kStates[] = {"loaded", "not_loaded", "wrong_sign", "loaded_twice"};
+  const std::optional<AxisState>& state = v.hypothesis.offsets;
+  return shareJson({{"state", state ? kStates[static_cast<std::size_t>(*state)] : "not_told"}}, *v.offsets,
+                   v);
 }
 
 Json changedJson(const ChangedEffect& changed) {

@@ -15,12 +15,8 @@ constexpr double kRound = 2e-3;  // readings of a circle are on it within this s
 
 using Points = std::vector<Eigen::Vector2d>;
 
-struct Circle {
-  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
-  double radius = 0.0;
-};
+}  // namespace
 
-/// Least squares of the distances from the circle (Gauss-Newton from the algebraic fit).
 Circle leastSquaresCircle(const Points& points) {
   const auto n = static_cast<Eigen::Index>(points.size());
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
@@ -51,6 +47,8 @@ Circle leastSquaresCircle(const Points& points) {
   circle.centre += mean;
   return circle;
 }
+
+namespace {
 
 double inTurn(double angle) { return angle - kTurn * std::floor(angle / kTurn); }
 

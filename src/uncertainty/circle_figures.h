@@ -8,6 +8,15 @@
 
 namespace mm {
 
+struct Circle {
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+  double radius = 0.0;
+};
+
+/// Least squares of the distances from the circle (Gauss-Newton from the algebraic fit); in the unit of the
+/// points.
+Circle leastSquaresCircle(const std::vector<Eigen::Vector2d>& points);
+
 /// A point of a circular path: where it should be on the circle, and how far the machine was from there.
 struct CirclePoint {
   double angle = 0.0;       // rad, counter-clockwise from the plane's first axis

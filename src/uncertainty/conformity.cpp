@@ -17,15 +17,8 @@ double below(double limit, double value, double std) {
 }  // namespace
 
 const char* nameOf(Conformity conformity) {
-  switch (conformity) {
-    case Conformity::kConforms:
-      return "conforms";
-    case Conformity::kUndecided:
-      return "not proven";
-    case Conformity::kDoesNotConform:
-      break;
-  }
-  return "does not conform";
+  static constexpr const char* kNames[] = {"conforms", "not proven", "does not conform"};
+  return kNames[static_cast<std::size_t>(conformity)];
 }
 
 double probabilityWithin(double value, double std, const Specification& s) {

@@ -5,7 +5,6 @@
 #include <map>
 #include <optional>
 
-#include "base/range.h"
 #include "base/units.h"
 #include "uncertainty/setup_rows.h"
 
@@ -31,22 +30,17 @@ struct DiagonalJoint {
 /// Joints that follow the distance, those of the machine in their order; empty: others move too.
 std::vector<DiagonalJoint> jointsOfDiagonal(const Session& session, const std::vector<LengthRow>& rows) {
   std::vector<DiagonalJoint> joints;
-  const auto least = std::min_element(rows.begin(), rows.end(), [](const LengthRow& a, const LengthRow& b) {
-    return a.distance < b.distance;
-  });
-  const auto most = std::max_element(rows.begin(), rows.end(), [](const LengthRow& a, const LengthRow& b) {
-    return a.distance < b.distance;
-  });
-  for (std::size_t j = 0; j < session.machine.joints().size(); ++j) {
-    const auto at = [&](const LengthRow& row) {
-      return session.observations[static_cast<std::size_t>(row.observation)].position[j];
-    };
-    Range range;
-    for (const LengthRow& row : rows) range.add(at(row));
-    const bool linear = session.machine.joints()[j].kind == JointKind::kLinear;
-    if (range.size() <= (linear ? kStandsStill : 0.05 * kDegree)) continue;
-    if (!linear) return {};
-    joints.push_back({j, at(*most) > at(*least)});
+  const auto [least, most] =
+      std::minmax_element(rows.begin(), rows.end(),
+                          [](const LengthRow& a, const LengthRow& b) { return a.distance < b.distance; });
+  const Observation &near = session.observations[static_cast<std::size_t>(least->observation)],
+                    &far = session.observations[static_cast<std::size_t>(most->observation)];
+  std::vector<int> observations;
+  for (const LengthRow& row : rows) observations.push_back(row.observation);
+  for (const int moved : movedJoints(session, observations, kStandsStill)) {
+    const auto j = static_cast<std::size_t>(moved);
+    if (session.machine.joints()[j].kind != JointKind::kLinear) return {};
+    joints.push_back({j, far.position[j] > near.position[j]});
   }
   return joints;
 }

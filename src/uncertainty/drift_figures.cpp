@@ -5,6 +5,7 @@
 #include <cmath>
 #include <deque>
 
+#include "base/grid_values.h"
 #include "base/random.h"
 #include "base/range.h"
 
@@ -48,14 +49,10 @@ double rangeWithinAnHour(const std::vector<double>& hours, const std::vector<dou
   return largest;
 }
 
-/// Linear between the readings, constant beyond the ends.
+/// Linear between the readings, of which there are two or more; constant beyond the ends.
 double valueAt(const std::vector<double>& hours, const std::vector<double>& values, double hour) {
-  const auto next = std::lower_bound(hours.begin(), hours.end(), hour);
-  if (next == hours.begin()) return values.front();
-  if (next == hours.end()) return values.back();
-  const auto i = static_cast<std::size_t>(next - hours.begin());
-  const double w = (hour - hours[i - 1]) / (hours[i] - hours[i - 1]);
-  return (1.0 - w) * values[i - 1] + w * values[i];
+  const auto [before, share] = placeAmong(hours, hour);
+  return (1.0 - share) * values[before] + share * values[before + 1];
 }
 
 FigureValues figuresOfDrift(const std::vector<double>& hours, const std::vector<double>& values,

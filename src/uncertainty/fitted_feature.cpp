@@ -14,26 +14,21 @@ namespace {
 
 constexpr int kSteps = 4;  // each makes the error smaller by deviation over radius
 
-int unknownsOf(FittedFeature::Kind kind) {
-  switch (kind) {
-    case FittedFeature::Kind::kSphere:
-      return 4;  // centre, radius
-    case FittedFeature::Kind::kCircle:
-    case FittedFeature::Kind::kPlane:
-      return 3;  // centre in the plane, radius; height and two tilts
-    case FittedFeature::Kind::kLine:
-      break;
-  }
-  return 2;  // height and tilt
-}
+/// By the order of FittedFeature::Kind: centre and radius; the same in the plane; height and two tilts;
+/// height and tilt.
+constexpr int kUnknowns[] = {4, 3, 3, 2};
 
 }  // namespace
 
 FittedFeature::FittedFeature(Kind kind, const Eigen::Vector3d& centre, const Eigen::Vector3d& normal,
                              double radius, const std::vector<Eigen::Vector3d>& nominal)
-    : kind_(kind), centre_(centre), normal_(normal), radius_(radius) {
-  const Eigen::Vector3d first = normal_.unitOrthogonal(), second = normal_.cross(first);
-  const int unknowns = unknownsOf(kind);
+    : kind_(kind),
+      centre_(centre),
+      normal_(normal),
+      first_(normal.unitOrthogonal()),
+      second_(normal.cross(first_)),
+      radius_(radius) {
+  const int unknowns = kUnknowns[static_cast<std::size_t>(kind)];
   design_.resize(static_cast<Eigen::Index>(nominal.size()), unknowns);
   Eigen::Vector3d along = Eigen::Vector3d::Zero();  // of a line
   if (kind == Kind::kLine && nominal.size() > 1) along = (nominal.back() - nominal.front()).normalized();
@@ -47,10 +42,10 @@ FittedFeature::FittedFeature(Kind kind, const Eigen::Vector3d& centre, const Eig
         design_.row(row) << from.normalized().transpose(), 1.0;
         break;
       case Kind::kCircle:
-        design_.row(row) << from.normalized().dot(first), from.normalized().dot(second), 1.0;
+        design_.row(row) << from.normalized().dot(first_), from.normalized().dot(second_), 1.0;
         break;
       case Kind::kPlane:
-        design_.row(row) << 1.0, from.dot(first) / reach, from.dot(second) / reach;
+        design_.row(row) << 1.0, from.dot(first_) / reach, from.dot(second_) / reach;
         break;
       case Kind::kLine:
         design_.row(row) << 1.0, from.dot(along) / reach;
@@ -66,13 +61,12 @@ FittedFeature::FittedFeature(Kind kind, const Eigen::Vector3d& centre, const Eig
 
 double FittedFeature::deviation(const Eigen::Vector3d& measured, const Eigen::VectorXd& feature,
                                 std::size_t i) const {
-  const Eigen::Vector3d first = normal_.unitOrthogonal(), second = normal_.cross(first);
   const Eigen::Vector3d from = measured - centre_;
   switch (kind_) {
     case Kind::kSphere:
       return (from - feature.head<3>()).norm() - radius_ - feature[3];
     case Kind::kCircle:
-      return std::hypot(from.dot(first) - feature[0], from.dot(second) - feature[1]) - radius_ - feature[2];
+      return std::hypot(from.dot(first_) - feature[0], from.dot(second_) - feature[1]) - radius_ - feature[2];
     case Kind::kPlane:
     case Kind::kLine:
       break;
@@ -99,8 +93,7 @@ FittedFeature::Found FittedFeature::fit(const std::vector<Eigen::Vector3d>& meas
       found.radius = feature[3];
       break;
     case Kind::kCircle:
-      found.centre =
-          feature[0] * normal_.unitOrthogonal() + feature[1] * normal_.cross(normal_.unitOrthogonal());
+      found.centre = feature[0] * first_ + feature[1] * second_;
       found.radius = feature[2];
       break;
     case Kind::kPlane:

@@ -31,7 +31,7 @@ class FittedFeature {
   double deviation(const Eigen::Vector3d& measured, const Eigen::VectorXd& feature, std::size_t i) const;
 
   Kind kind_;
-  Eigen::Vector3d centre_, normal_;
+  Eigen::Vector3d centre_, normal_, first_, second_;  // the last two: at right angles to the normal
   double radius_;
   Eigen::MatrixXd design_;   // deviation of a point by a change of the feature
   Eigen::MatrixXd inverse_;  // pseudo-inverse of it

@@ -77,17 +77,21 @@ MeasurementTask featureTask(FittedFeature::Kind kind, const Eigen::Vector3d& cen
           }};
 }
 
+std::vector<std::string> splitAt(const std::string& text, char mark) {
+  std::vector<std::string> parts = {""};
+  for (const char c : text)
+    if (c == mark)
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  return parts;
+}
+
 /// The text of a task, taken apart.
 class TaskReader {
  public:
-  TaskReader(const std::string& text, const TaskOptions& options) : text_(text), options_(options) {
-    std::size_t from = 0;
-    for (std::size_t at = text.find(':'); at != std::string::npos; at = text.find(':', from)) {
-      parts_.push_back(text.substr(from, at - from));
-      from = at + 1;
-    }
-    parts_.push_back(text.substr(from));
-  }
+  TaskReader(const std::string& text, const TaskOptions& options)
+      : text_(text), options_(options), parts_(splitAt(text, ':')) {}
 
   [[noreturn]] void refuse(const std::string& why) const {
     throw InputError("--task '" + text_ + "': " + why + "; " + usage());
@@ -103,20 +107,15 @@ class TaskReader {
 
   std::vector<double> numbers(std::size_t index, std::size_t fewest, std::size_t most) const {
     std::vector<double> values;
-    std::size_t from = 0;
-    const std::string& part = parts_[index];
-    for (;;) {
-      const std::size_t end = part.find(',', from);
-      const std::string one(trim(std::string_view(part).substr(from, end - from)));
+    for (const std::string& text : splitAt(parts_[index], ',')) {
+      const std::string one(trim(text));
       double value = 0.0;
       if (!parseNumber(one, value) || !(std::abs(value) <= kLargest))
         refuse("'" + one + "' is not a number from -100000 to 100000 mm");
       values.push_back(value);
-      if (end == std::string::npos) break;
-      from = end + 1;
     }
     if (values.size() < fewest || values.size() > most)
-      refuse("'" + part + "' has " + std::to_string(values.size()) + " numbers, it needs " +
+      refuse("'" + parts_[index] + "' has " + std::to_string(values.size()) + " numbers, it needs " +
              std::to_string(fewest) + (most > fewest ? " or " + std::to_string(most) : ""));
     return values;
   }

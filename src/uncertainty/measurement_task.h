@@ -73,20 +73,8 @@ struct TaskOptions {
   std::optional<PermissibleError> permissible;  // of every length of ISO 10360-2
 };
 
-/// Makes a task from its words, lengths in mm, frame workpiece:
-///
-///     distance:x,y,z:x,y,z          of two points
-///     position:x,y,z                of one point
-///     ball:x,y,z[,radius]           diameter, centre and form; touched on its upper half
-///     circle:x,y,z:nx,ny,nz:radius  diameter, centre, roundness; of a ring about the normal n
-///     roundness:x,y,z:nx,ny,nz:radius
-///     plane:x,y,z:nx,ny,nz:side     place along the normal, flatness; of a square
-///     flatness:x,y,z:nx,ny,nz:side
-///     straightness:x,y,z:x,y,z:nx,ny,nz   of a line on a surface with the normal n
-///     iso10360-2                    105 lengths in seven positions, and a ball (ISO 10360-2, -5)
-///     iso230-2:axis                 positioning of an axis (ISO 230-2)
-///
-/// A ball whose radius is not told has that of the balls of the calibration, else 10 mm.
+/// Makes a task from its words (taskHelp), lengths in mm, frame workpiece. A ball is touched on its upper
+/// half. A ball whose radius is not told has that of the balls of the calibration, else 10 mm.
 /// @throw InputError naming the part of the text that is wrong, its value and what is expected.
 std::unique_ptr<MeasurementTask> makeTask(const std::string& text, const TaskOptions& options,
                                           const Model& model);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/range.h"
+
 namespace mm {
 namespace {
 
@@ -19,21 +21,13 @@ struct RunSample {
   double deviation() const { return count > 1 ? std::sqrt(squares / (count - 1)) : kNotMeasured; }
 };
 
-/// Largest and smallest of what exists.
-struct FigureRange {
-  double low = kNotMeasured, high = kNotMeasured;
-  void add(double value) {
-    if (!std::isfinite(value)) return;
-    low = std::isfinite(low) ? std::min(low, value) : value;
-    high = std::isfinite(high) ? std::max(high, value) : value;
-  }
-  double width() const { return high - low; }
-};
+double widthOf(const Range& range) { return range.any() ? range.size() : kNotMeasured; }
+double highestOf(const Range& range) { return range.any() ? range.upper : kNotMeasured; }
 
 /// A, R and E of the directions of approach that are asked. @param spread what else belongs to R.
 PositioningFigures::OneWay figuresOf(const std::vector<PositioningTarget>& targets,
-                                     std::initializer_list<bool> directions, FigureRange spread) {
-  FigureRange means, edges;
+                                     std::initializer_list<bool> directions, Range spread) {
+  Range means, edges;
   bool repeated = true;
   for (const PositioningTarget& t : targets)
     for (const bool forward : directions) {
@@ -45,10 +39,10 @@ PositioningFigures::OneWay figuresOf(const std::vector<PositioningTarget>& targe
       repeated = repeated && (forward ? t.forward : t.backward) != 1;
     }
   PositioningFigures::OneWay out;
-  out.systematic = means.width();
+  out.systematic = widthOf(means);
   if (!repeated) return out;  // a single run has no standard deviation
-  out.accuracy = edges.width();
-  out.repeatability = spread.high;
+  out.accuracy = widthOf(edges);
+  out.repeatability = highestOf(spread);
   return out;
 }
 
@@ -56,7 +50,7 @@ PositioningFigures figuresOf(const std::vector<PositioningTarget>& targets) {
   PositioningFigures f;
   f.forward = figuresOf(targets, {true}, {});
   f.backward = figuresOf(targets, {false}, {});
-  FigureRange middle, spread;
+  Range middle, spread;
   double reversal = 0.0, reversals = 0.0;
   int bidirectional = 0;
   for (const PositioningTarget& t : targets) {
@@ -69,7 +63,7 @@ PositioningFigures figuresOf(const std::vector<PositioningTarget>& targets) {
     ++bidirectional;
   }
   if (bidirectional > 0) {
-    f.meanRange = middle.width();
+    f.meanRange = widthOf(middle);
     f.reversal = reversal;
     f.meanReversal = reversals / bidirectional;
   }

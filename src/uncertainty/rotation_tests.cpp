@@ -8,6 +8,7 @@
 #include "base/format.h"
 #include "base/range.h"
 #include "base/units.h"
+#include "uncertainty/circle_figures.h"
 #include "uncertainty/setup_rows.h"
 
 namespace mm {
@@ -16,23 +17,17 @@ namespace {
 constexpr std::size_t kFewestAngles = 12;
 constexpr double kShortestTurn = 150.0 * kDegree - 1e-6;
 constexpr double kSmallestRadius = 1.0 * kMillimetre;  // a circle that is smaller has no direction
-constexpr double kRestsLength = 0.05 * kMillimetre, kRestsAngle = 0.05 * kDegree;
+constexpr double kRestsAngle = 0.05 * kDegree;
 
 using RotationRows = std::vector<int>;
 
 /// The one rotary joint that moved; -1: there is none, or others move too.
 int turningJoint(const Session& session, const RotationRows& rows) {
-  int turning = -1;
-  for (int j = 0; j < session.machine.jointCount(); ++j) {
-    Range range;
-    for (const int i : rows)
-      range.add(session.observations[static_cast<std::size_t>(i)].position[static_cast<std::size_t>(j)]);
-    const bool rotary = session.machine.joints()[static_cast<std::size_t>(j)].kind == JointKind::kRotary;
-    if (range.size() <= (rotary ? kRestsAngle : kRestsLength)) continue;
-    if (!rotary || turning >= 0) return -1;
-    turning = j;
-  }
-  return turning;
+  const std::vector<int> moved = movedJoints(session, rows);
+  const std::vector<Joint>& joints = session.machine.joints();
+  const bool one =
+      moved.size() == 1 && joints[static_cast<std::size_t>(moved.front())].kind == JointKind::kRotary;
+  return one ? moved.front() : -1;
 }
 
 /// Plane and circle by least squares through points (rows, m), and how far each is from them, um.
@@ -41,34 +36,19 @@ bool fitRotation(const Eigen::MatrixX3d& points, RotationTest& test) {
   const Eigen::MatrixX3d about = points.rowwise() - mean;
   const Eigen::Matrix3d axes = Eigen::JacobiSVD<Eigen::MatrixX3d>(about, Eigen::ComputeThinV).matrixV();
   const Eigen::MatrixX3d in = about * axes;  // the last column is along the axis
-  Eigen::MatrixX3d design(in.rows(), 3);
-  design << 2.0 * in.leftCols<2>(), Eigen::VectorXd::Ones(in.rows());
-  const Eigen::VectorXd squares = in.leftCols<2>().rowwise().squaredNorm();
-  const Eigen::Vector3d algebraic = design.colPivHouseholderQr().solve(squares);
-  Eigen::Vector2d centre = algebraic.head<2>();
-  double radius = std::sqrt(std::max(0.0, algebraic[2] + centre.squaredNorm()));
-  if (radius < kSmallestRadius) return false;
-  for (int step = 0; step < 3; ++step) {  // from the algebraic circle to that of least squares
-    Eigen::MatrixX3d slope(in.rows(), 3);
-    Eigen::VectorXd off(in.rows());
-    for (Eigen::Index i = 0; i < in.rows(); ++i) {
-      const Eigen::Vector2d way = in.row(i).head<2>().transpose() - centre;
-      off[i] = way.norm() - radius;
-      slope.row(i) << way.transpose() / way.norm(), 1.0;
-    }
-    const Eigen::Vector3d change = slope.colPivHouseholderQr().solve(off);
-    centre += change.head<2>();
-    radius += change[2];
-  }
+  std::vector<Eigen::Vector2d> inPlane;
+  for (Eigen::Index i = 0; i < in.rows(); ++i) inPlane.emplace_back(in(i, 0), in(i, 1));
+  const Circle circle = leastSquaresCircle(inPlane);
+  if (!(circle.radius >= kSmallestRadius)) return false;
   Range radial, axial;
   for (Eigen::Index i = 0; i < in.rows(); ++i) {
-    const Eigen::Vector2d way = in.row(i).head<2>().transpose() - centre;
-    test.radial.push_back((way.norm() - radius) / kMicrometre);
+    const double out = (inPlane[static_cast<std::size_t>(i)] - circle.centre).norm() - circle.radius;
+    test.radial.push_back(out / kMicrometre);
     test.axial.push_back(in(i, 2) / kMicrometre);
     radial.add(test.radial.back());
     axial.add(test.axial.back());
   }
-  test.radius = radius / kMillimetre;
+  test.radius = circle.radius / kMillimetre;
   test.radialError = radial.size();
   test.axialError = axial.size();
   return true;

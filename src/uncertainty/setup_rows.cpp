@@ -4,6 +4,8 @@
 #include <map>
 #include <tuple>
 
+#include "base/range.h"
+
 namespace mm {
 
 std::vector<SetupRows> rowsBySetup(const Session& session, ObservationKind kind) {
@@ -29,6 +31,20 @@ std::vector<SetupRows> lengthsBySetup(const Session& session) {
   };
   all.erase(std::remove_if(all.begin(), all.end(), unknown), all.end());
   return all;
+}
+
+std::vector<int> movedJoints(const Session& session, const std::vector<int>& observations, double length) {
+  constexpr double kAngle = 0.05 * kDegree;
+  std::vector<int> moved;
+  for (int j = 0; j < session.machine.jointCount(); ++j) {
+    const auto joint = static_cast<std::size_t>(j);
+    Range range;
+    for (const int i : observations)
+      range.add(session.observations[static_cast<std::size_t>(i)].position[joint]);
+    const bool linear = session.machine.joints()[joint].kind == JointKind::kLinear;
+    if (range.size() > (linear ? length : kAngle)) moved.push_back(j);
+  }
+  return moved;
 }
 
 Eigen::Vector3d wayOfLength(const Session& session, const Observation& length) {

@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "base/units.h"
 #include "session/session.h"
 
 namespace mm {
@@ -18,6 +19,11 @@ std::vector<SetupRows> rowsBySetup(const Session& session, ObservationKind kind)
 
 /// The same for lengths from a point whose place in workpiece is known.
 std::vector<SetupRows> lengthsBySetup(const Session& session);
+
+/// Joints that were not in one place at these observations, by more than the noise of readings: a linear one
+/// by `length` (m), a rotary one by 0.05 deg.
+std::vector<int> movedJoints(const Session& session, const std::vector<int>& observations,
+                             double length = 0.05 * kMillimetre);
 
 /// From the point at which a length begins to where the readings say that the tip is: workpiece, m.
 Eigen::Vector3d wayOfLength(const Session& session, const Observation& length);

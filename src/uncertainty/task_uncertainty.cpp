@@ -27,14 +27,6 @@ struct Batch {
   double passes = 0.0;               // share of the trials; NaN: the task has no limits of its own
 };
 
-/// The value below which a share of the sorted values lies, linear between them.
-double quantileOf(const std::vector<double>& sorted, double share) {
-  const double at = share * static_cast<double>(sorted.size() - 1);
-  const auto low = static_cast<std::size_t>(at);
-  const std::size_t high = std::min(low + 1, sorted.size() - 1);
-  return sorted[low] + (at - static_cast<double>(low)) * (sorted[high] - sorted[low]);
-}
-
 BatchFigure figureOf(std::vector<double> values, double nominal) {
   double sum = 0.0, squares = 0.0;  // about the nominal value, lest a length in m eats the digits of nm
   for (const double v : values) sum += v - nominal;
@@ -150,6 +142,13 @@ void addBudgets(const MeasurementTask& task, const VirtualMachine& machine, std:
 }
 
 }  // namespace
+
+double quantileOf(const std::vector<double>& sorted, double share) {
+  const double at = share * static_cast<double>(sorted.size() - 1);
+  const auto low = static_cast<std::size_t>(at);
+  const std::size_t high = std::min(low + 1, sorted.size() - 1);
+  return sorted[low] + (at - static_cast<double>(low)) * (sorted[high] - sorted[low]);
+}
 
 TaskUncertainty taskUncertainty(const MeasurementTask& task, const VirtualMachine& machine,
                                 const MonteCarloOptions& options) {

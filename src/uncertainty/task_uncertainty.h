@@ -39,6 +39,9 @@ struct TaskUncertainty {
   std::vector<std::string> notes;
 };
 
+/// The value below which a share of the sorted values lies, linear between them. @param sorted at least one.
+double quantileOf(const std::vector<double>& sorted, double share);
+
 struct MonteCarloOptions {
   std::uint64_t seed = 1;
   std::size_t trials = 0;  // 0: as many as make `digits` digits stable

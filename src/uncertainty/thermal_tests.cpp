@@ -12,6 +12,7 @@
 #include "base/units.h"
 #include "machine/joint_units.h"
 #include "uncertainty/positioning_figures.h"
+#include "uncertainty/setup_rows.h"
 
 namespace mm {
 namespace {
@@ -22,7 +23,6 @@ constexpr double kShortestTest = 600.0;      // s, while a temperature changes
 constexpr double kShortestAlone = 3540.0;    // s, without one: an hour less a minute
 constexpr double kSeenWarming = 0.5;         // K
 constexpr std::size_t kMostPlacesAlone = 4;  // ISO 230-2 has five targets or more
-constexpr double kIdleLength = 0.05 * kMillimetre, kIdleAngle = 0.05 * kDegree;  // noise of readings
 
 using Rows = std::vector<int>;                                  // observations, in the order of time
 using Key = std::tuple<int, int, int, int, std::vector<bool>>;  // recording, setup, placement, kind, measured
@@ -44,19 +44,6 @@ std::map<Key, Rows> rowsOfOneKind(const Session& session) {
     groups[{o.recording, o.setup, o.placement, static_cast<int>(o.kind), has}].push_back(static_cast<int>(i));
   }
   return groups;
-}
-
-/// Joints that were not in one place at these rows.
-std::vector<int> movedJoints(const Session& session, const Rows& rows) {
-  std::vector<int> moved;
-  for (int j = 0; j < session.machine.jointCount(); ++j) {
-    Range range;
-    for (const int i : rows)
-      range.add(session.observations[static_cast<std::size_t>(i)].position[static_cast<std::size_t>(j)]);
-    const bool linear = session.machine.joints()[static_cast<std::size_t>(j)].kind == JointKind::kLinear;
-    if (range.size() > (linear ? kIdleLength : kIdleAngle)) moved.push_back(j);
-  }
-  return moved;
 }
 
 /// The rotary joint that travelled while the rows stay in one place; -1: none.
@@ -317,8 +304,12 @@ std::string inWords(const ThermalTest& test) {
   const std::array<std::string, 4> kinds = {
       "ETVE (idle machine)", "spindle " + format("turning for %.1f h", test.heated.to - test.heated.from),
       "linear axis " + test.joint, "rotary axis " + test.joint};
-  return "ISO 230-3, " + kinds[static_cast<std::size_t>(test.kind)] + ": " + std::to_string(test.readings) +
-         " readings at " + (test.places == 1 ? "one position" : std::to_string(test.places) + " positions") +
+  // so many targets are those of a positioning test, of which the course in time is seen beside it
+  const bool positioning = test.places > static_cast<int>(kMostPlacesAlone);
+  return (positioning ? "ISO 230-2, " : "ISO 230-3, ") + kinds[static_cast<std::size_t>(test.kind)] + ": " +
+         (positioning ? "displacement against time as in ISO 230-3 from " : "") +
+         std::to_string(test.readings) + " readings at " +
+         (test.places == 1 ? "one position" : std::to_string(test.places) + " positions") +
          format(" over %.1f h", test.to - test.from);
 }
 

@@ -47,7 +47,9 @@ struct ThermalTest {
 /// @param left may be empty.
 std::vector<ThermalTest> thermalTests(const Session& session, const ResidualOf& left = {});
 
-/// "ISO 230-3, linear axis x: 180 readings at 3 positions over 5.0 h".
+/// "ISO 230-3, linear axis x: 180 readings at 3 positions over 5.0 h"; of five positions or more, which are a
+/// positioning test that lasted, "ISO 230-2, linear axis x: displacement against time as in ISO 230-3 from
+/// …".
 std::string inWords(const ThermalTest& test);
 
 }  // namespace mm

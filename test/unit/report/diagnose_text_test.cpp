@@ -76,6 +76,31 @@ TEST(DiagnoseText, RivalsWithTheirOddsAndWhatWouldTell) {
       << both;
 }
 
+TEST(DiagnoseText, EveryVerdictEndsWithALineToType) {
+  const auto ends = [](const std::string& text, const std::string& line) {
+    return text.size() > line.size() && text.compare(text.size() - line.size(), line.size(), line) == 0;
+  };
+  const std::string again = "\n  mm diagnose plate.bag --calibration plate.yaml";
+  Diagnosis d = verdict(Verdict::kExplained);
+  EXPECT_TRUE(ends(textOf(d), "\nType next:\n  mm promote plate.yaml\n")) << textOf(d);
+  d.variations.resize(1);  // and nothing that follows it
+  d.variations[0].effect = backlash("x");
+  d.variations[0].along = "x";
+  const std::string report = "\n  mm report plate.bag --calibration plate.yaml -o report.html\n";
+  EXPECT_TRUE(ends(textOf(d), report)) << textOf(d);
+  d.variations[0].instead = {{backlash("y"), 0.6}};
+  EXPECT_TRUE(ends(textOf(d), "'{type: backlash, axis: y}' -o plate2.yaml\n")) << textOf(d);
+  d = verdict(Verdict::kScatter);
+  EXPECT_TRUE(ends(textOf(d), report)) << textOf(d);
+  d.base.repeatabilityFrom = "estimated";
+  EXPECT_TRUE(ends(textOf(d), again + " --repeatability-um STD\n")) << textOf(d);
+  d = verdict(Verdict::kQuestion);
+  EXPECT_TRUE(ends(textOf(d), again + "\n")) << textOf(d);
+  d.missing = {play()};  // none is added before the answer
+  EXPECT_FALSE(has(textOf(d), "mm add")) << textOf(d);
+  EXPECT_TRUE(ends(textOf(verdict(Verdict::kInsufficientData)), "\n  mm check plate.bag\n"));
+}
+
 TEST(DiagnoseText, CausesThatMayActStandWithTheirOddsAndNotAsMissing) {
   Diagnosis d = verdict(Verdict::kExplained);
   d.possible = {{backlash("x"), 0.75, "The same positions in both directions of x."}};
@@ -195,7 +220,7 @@ TEST(DiagnoseText, DriftArtifactAndInputs) {
   EXPECT_TRUE(has(text, "    centres           0.5 um: measure the plate again\n")) << text;
   EXPECT_TRUE(has(text, "  direction of travel of x: assumed from the approach of the contact\n")) << text;
   EXPECT_TRUE(has(text, "  speed of y: speed lag and backlash of y cannot be excluded without it\n")) << text;
-  EXPECT_FALSE(has(text, "Type next")) << text;
+  EXPECT_FALSE(has(text, "mm add")) << text;
 }
 
 TEST(DiagnoseText, FiguresSayWhereTheNoiseIsFrom) {
@@ -231,6 +256,34 @@ TEST(DiagnoseText, WhatCouldNotShowForOneReasonIsOneLineAndSixLinesAreShown) {
   for (int i = 0; i < 7; ++i)
     d.cannotShow.push_back({backlash("y" + std::to_string(i)), "reason " + std::to_string(i), ""});
   EXPECT_TRUE(has(textOf(d), "  backlash of y4: reason 4\n  and 2 more (--json lists them)\n")) << textOf(d);
+}
+
+TEST(DiagnoseText, EffectsOfJointsThatNeverMovedAreOneLine) {
+  Diagnosis d = verdict(Verdict::kExplained);
+  const Session session = test::interferometerSession(1e-6, 0.2e-6);
+  d.base = calibrate(session, Model(session.machine, observedDomain(session), std::vector<EffectSpec>()), {});
+  d.cannotShow = {{backlash("y"), "no", ""}, {backlash("x"), "its reason", ""}, {backlash("z"), "no", ""}};
+  EXPECT_TRUE(has(textOf(d),
+                  "cannot exclude\n  y, z never moved: 2 effects of them or along them (--json lists them)\n"
+                  "  backlash of x: its reason\n"))
+      << textOf(d);
+}
+
+TEST(DiagnoseText, InputsWithoutWhichTheSameIsUnknownAreOneLine) {
+  Diagnosis d = verdict(Verdict::kExplained);
+  d.missingInputs = {{"speed of y", "", {EffectSpec("speed_lag")}},
+                     {"speed of z", "", {EffectSpec("speed_lag")}}};
+  EXPECT_TRUE(has(textOf(d), "  speed of y, speed of z: speed lag cannot be excluded without it\n"))
+      << textOf(d);
+}
+
+TEST(DiagnoseText, AVerySmallProbabilityIsABound) {
+  Diagnosis d = verdict(Verdict::kExplained);
+  d.where = {{"time", 0.5, 1e-285, 0.25, 0.02}};
+  const Session session = test::interferometerSession(1e-6, 0.2e-6);
+  d.base = calibrate(session, Model(session.machine, observedDomain(session), std::vector<EffectSpec>()), {});
+  EXPECT_TRUE(has(textOf(d), " 50.0 %   p < 1e-6")) << textOf(d);
+  EXPECT_TRUE(has(textOf(d), " 25.0 %   p = 0.02\n")) << textOf(d);
 }
 
 TEST(DiagnoseJson, MissingWithOddsGainAndRivals) {

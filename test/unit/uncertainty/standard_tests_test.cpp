@@ -113,6 +113,18 @@ Session strokesSession() {
   return session;
 }
 
+TEST(StandardTests, FiveTargetsOrMoreArePositioningRuns) {
+  ThermalTest test;
+  test.kind = ThermalTestKind::kLinearAxis;
+  test.joint = "x";
+  test.readings = 68;
+  test.places = 11;
+  test.to = 0.9;
+  EXPECT_EQ(inWords(test),
+            "ISO 230-2, linear axis x: displacement against time as in ISO 230-3 from 68 readings at 11 "
+            "positions over 0.9 h");
+}
+
 TEST(StandardTests, LinearAxisAndItsExpansion) {
   Session session = strokesSession();
   session.prepare();
