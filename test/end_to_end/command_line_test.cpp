@@ -144,6 +144,19 @@ TEST_F(CommandLine, ANewMachineOfRotaryAxesHasAModelThatIsRead) {
   EXPECT_EQ(typed("check head.bag --model head.yaml").status, 0);
 }
 
+TEST_F(CommandLine, ALeadOfAScrewIsThePeriodThatTheFirstModelFits) {
+  run("machine new --axis x=0:120mm --axis y=0:100mm --axis z=-60:0mm --lead x=12mm -o screw.urdf --model "
+      "screw.yaml");
+  EXPECT_NE(textOf(*folder_ / "screw.yaml").find("{type: lead_screw_periodic, axis: x, period_mm: 12}"),
+            std::string::npos);
+  run("plan new --machine screw.urdf --balls 3x3 --points 20 --repeatability-um 0.5 -o screw_plan.yaml");
+  run("simulate --machine screw.urdf --plan screw_plan.yaml --hide scale:y=100ppm -o screw.bag");
+  const Answer answer =
+      typed("calibrate screw.bag --model screw.yaml --method least_squares -o screw_c.yaml --json");
+  ASSERT_EQ(answer.status, 0) << answer.error;
+  EXPECT_EQ(answer.json()["identifiability"]["rank"], 8);  // three scales, three squarenesses, S and K
+}
+
 // No repeatability is stated anywhere: the plan's own repeats tell it, and the end of the loop is an answer.
 TEST_F(CommandLine, ANewMachineWithANewPlanIsExplained) {
   run("machine new --axis x=0:120mm --axis y=0:100mm --axis z=-60:0mm --tip-mm 0,0,-40 -o own.urdf --model "

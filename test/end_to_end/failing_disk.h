@@ -85,15 +85,19 @@ class FailingDisk : public SessionFolder {
 
   /// Every way to fail of a command that makes so many reads and writes: in a long test each n with each
   /// cause, else one in the middle, in a thorough test of what passes also the first and the last, and the
-  /// causes in turn.
+  /// causes in turn. Every day a read fails once or is interrupted, and a write fails once, or from then on
+  /// for those that tidy up behind it, or is cut short.
   static std::vector<DiskFault> faults(int reads, int writes) {
     std::vector<DiskFault> all;
     for (const bool reading : {true, false}) {
       const int most = reading ? reads : writes, between = (most + 1) / 2;
-      for (const DiskFault::Way way : {DiskFault::Way::kOnce, DiskFault::Way::kLasting})
+      using Way = DiskFault::Way;
+      const bool everyWay = mm_test::thoroughTests();
+      for (const Way way :
+           everyWay || !reading ? std::vector<Way>{Way::kOnce, Way::kLasting} : std::vector<Way>{Way::kOnce})
         for (int n = 1; n <= most; ++n) {
-          const bool ends = way == DiskFault::Way::kOnce && (n == 1 || n == most);
-          const bool asked = n == between || (ends && mm_test::thoroughTests());
+          const bool ends = way == Way::kOnce && (n == 1 || n == most);
+          const bool asked = n == between || (ends && everyWay);
           if (!asked && !mm_test::longTests()) continue;
           for (const int cause : reading ? std::vector<int>{EIO} : std::vector<int>{EIO, ENOSPC})
             for (const bool anew : {false, true})
@@ -101,8 +105,8 @@ class FailingDisk : public SessionFolder {
                   ((reading || (n % 2 == 0) == (cause == EIO)) && (n / 2 % 2 == 0) == anew))
                 all.push_back({reading, way, n, cause, anew});
         }
-      for (const DiskFault::Way way : {DiskFault::Way::kShort, DiskFault::Way::kInterrupted})
-        all.push_back({reading, way, 0, 0, false});
+      for (const Way way : {Way::kShort, Way::kInterrupted})
+        if (everyWay || (way == Way::kInterrupted) == reading) all.push_back({reading, way, 0, 0, false});
     }
     return all;
   }

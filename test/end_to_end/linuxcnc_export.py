@@ -10,11 +10,12 @@ import subprocess
 import sys
 import time
 
+LONG = 120.0  # s: nothing here is about how soon
 PORT = 5008  # not that to which the driver of a rostest that waits for its turn connects
 
 
-def wait_until(condition, seconds, what):
-    end = time.monotonic() + seconds
+def wait_until(condition, what):
+    end = time.monotonic() + LONG
     while time.monotonic() < end:
         answer = condition()
         if answer:
@@ -50,7 +51,7 @@ class Shell:
     """linuxcncrsh: a line, an answer."""
 
     def __init__(self):
-        self.socket = socket.create_connection(("127.0.0.1", PORT), 10)
+        self.socket = socket.create_connection(("127.0.0.1", PORT), LONG)
         self.file = self.socket.makefile("rw", newline="\r\n")
         for line in ("hello EMC mm 1.0", "set echo off", "set enable EMCTOO", "set wait_mode done"):
             self.send(line)
@@ -83,13 +84,13 @@ def at_rest():
             last[0], since[0] = now, pin("integ.0.out")
         return now[0] if pin("integ.0.out") - since[0] >= 0.1 else None
 
-    return wait_until(still, 20, "the machine does not come to rest")
+    return wait_until(still, "the machine does not come to rest")
 
 
 def offsets_arrive():
     """Three periods of the component after now, all offsets are there."""
     begin = pin("mm-offsets.cycles")
-    wait_until(lambda: pin("mm-offsets.cycles") >= begin + 3 and pin("mm-offsets.arrived"), 20, "the offsets do not arrive")
+    wait_until(lambda: pin("mm-offsets.cycles") >= begin + 3 and pin("mm-offsets.arrived"), "the offsets do not arrive")
 
 
 class Machine:
@@ -100,20 +101,20 @@ class Machine:
 
     def on(self):
         self.shell.send("set machine on")
-        wait_until(lambda: pin("motion.motion-enabled"), 20, "the machine does not turn on")
+        wait_until(lambda: pin("motion.motion-enabled"), "the machine does not turn on")
 
     def off(self):
         self.shell.send("set machine off")
-        wait_until(lambda: not pin("motion.motion-enabled"), 20, "the machine does not turn off")
+        wait_until(lambda: not pin("motion.motion-enabled"), "the machine does not turn off")
 
     def home(self):
         self.shell.send("set mode manual")
         self.shell.send("set home -1")
-        wait_until(lambda: pin("motion.is-all-homed"), 20, "the joints do not home")
+        wait_until(lambda: pin("motion.is-all-homed"), "the joints do not home")
 
     def cleared(self):
         if self.offsets:
-            wait_until(lambda: pin("mm-offsets.x-clear"), 10, "offsets that are off are not cleared")
+            wait_until(lambda: pin("mm-offsets.x-clear"), "offsets that are off are not cleared")
 
     def do(self, what):
         if what == "off and on":
@@ -130,7 +131,7 @@ class Machine:
             for command in (lambda: self.commands.mode(self.manual), lambda: self.commands.teleop_enable(0), lambda: self.commands.unhome(-1)):
                 command()
                 self.commands.wait_complete()
-            wait_until(lambda: not pin("motion.is-all-homed"), 20, "the joints stay homed")
+            wait_until(lambda: not pin("motion.is-all-homed"), "the joints stay homed")
             self.cleared()
             self.home()
         else:
@@ -139,8 +140,8 @@ class Machine:
 
     def go(self, places):
         for place in places:
-            self.shell.send("set mdi G1 X%.4f Y%.4f Z%.4f F1500" % tuple(place))
-            wait_until(lambda: all(abs(pin("axis.%s.pos-cmd" % a) - p) < 1e-6 for a, p in zip("xyz", place)), 30,
+            self.shell.send("set mdi G1 X%.4f Y%.4f Z%.4f F3000" % tuple(place))
+            wait_until(lambda: all(abs(pin("axis.%s.pos-cmd" % a) - p) < 1e-6 for a, p in zip("xyz", place)),
                        "the machine does not go to %s" % (place,))
 
     def told(self):
@@ -176,7 +177,7 @@ def main():
     process = subprocess.Popen(["/usr/bin/linuxcnc", "-r", os.path.join(folder, "machine.ini")], cwd=folder, stdout=log, stderr=log,
                                stdin=subprocess.DEVNULL, start_new_session=True)
     try:
-        wait_until(lambda: listens() or process.poll() is not None, 40, "LinuxCNC does not start")
+        wait_until(lambda: listens() or process.poll() is not None, "LinuxCNC does not start")
         if process.poll() is not None:
             raise SystemExit("LinuxCNC ended: " + open(os.path.join(folder, "log")).read()[-2000:])
         drive(folder, steps)

@@ -1,6 +1,5 @@
 #!/usr/bin/env bash
 # Exported tables in a headless LinuxCNC, run by an ordinary user: where its motors stand is, by the full model, where it was commanded.
-# needs the computer alone: LinuxCNC moves in real time on a kernel that keeps none
 set -u
 mm="$(realpath "${MM:?path of mm}")"
 if [ ! -x /usr/bin/linuxcnc ]; then

@@ -18,7 +18,8 @@ from browser import Browser  # noqa: E402
 
 MM = os.environ["MM"]
 VIEWS = ["import", "session", "compare", "diagnose", "ledger", "correct", "measure", "heat", "history"]
-LONG = os.environ.get("MM_LONG_TESTS", "0") not in ("", "0")
+SCREENS = [(1280, "light"), (400, "dark"), (1280, "dark"), (400, "light")]  # every day each width and each colour once
+THOROUGH = any(os.environ.get(name, "0") not in ("", "0") for name in ("MM_THOROUGH_TESTS", "MM_LONG_TESTS"))
 
 
 def check(name, true, said=""):
@@ -217,23 +218,22 @@ def every_view(browser, bench):
     pictures = os.environ.get("MM_SCREENSHOTS")
     with open(os.path.join(os.path.dirname(MM), "..", "..", "..", "web", "axe.min.js")) as axe:
         browser.evaluate(axe.read() + "; typeof axe")
-    for width in (1280, 400):
-        for scheme in ("light", "dark"):
-            browser.resize(width, 900 if width > 600 else 800)
-            browser.colours(scheme)
-            for view in VIEWS:
-                go(browser, view)
-                browser.wait("!document.querySelector('main').innerText.includes('PAGE ERROR') && document.querySelectorAll('main section').length > 0")
-                too_wide = browser.evaluate("document.documentElement.scrollWidth - innerWidth")
-                check("%s, %d px, %s: fits" % (view, width, scheme), too_wide <= 0, too_wide)
-                opened = browser.evaluate("scrollTo(0, 1e6), document.querySelector('.opened').getBoundingClientRect().top >= 0 && document.querySelector('.opened').innerText")
-                check("%s, %d px, %s: session and machine are on the screen" % (view, width, scheme), opened == "plate.bag, machine three_axis", opened)
-                found = browser.evaluate("""axe.run(document, { iframes: false }).then((r) => r.violations.map((v) =>
-                    v.id + ": " + v.nodes.slice(0, 3).map((n) => n.html.slice(0, 120) + " " + (n.any[0] ? n.any[0].message : "")).join(" | ")))""")
-                check("%s, %d px, %s: axe-core finds nothing" % (view, width, scheme), not found, found)
-                if pictures:
-                    browser.evaluate("new Promise((r) => requestAnimationFrame(() => requestAnimationFrame(r)))")
-                    browser.screenshot(os.path.join(pictures, "%s-%d-%s.png" % (view, width, scheme)))
+    for width, scheme in SCREENS if THOROUGH or pictures else SCREENS[:2]:
+        browser.resize(width, 900 if width > 600 else 800)
+        browser.colours(scheme)
+        for view in VIEWS:
+            go(browser, view)
+            browser.wait("!document.querySelector('main').innerText.includes('PAGE ERROR') && document.querySelectorAll('main section').length > 0")
+            too_wide = browser.evaluate("document.documentElement.scrollWidth - innerWidth")
+            check("%s, %d px, %s: fits" % (view, width, scheme), too_wide <= 0, too_wide)
+            opened = browser.evaluate("scrollTo(0, 1e6), document.querySelector('.opened').getBoundingClientRect().top >= 0 && document.querySelector('.opened').innerText")
+            check("%s, %d px, %s: session and machine are on the screen" % (view, width, scheme), opened == "plate.bag, machine three_axis", opened)
+            found = browser.evaluate("""axe.run(document, { iframes: false }).then((r) => r.violations.map((v) =>
+                v.id + ": " + v.nodes.slice(0, 3).map((n) => n.html.slice(0, 120) + " " + (n.any[0] ? n.any[0].message : "")).join(" | ")))""")
+            check("%s, %d px, %s: axe-core finds nothing" % (view, width, scheme), not found, found)
+            if pictures:
+                browser.evaluate("new Promise((r) => requestAnimationFrame(() => requestAnimationFrame(r)))")
+                browser.screenshot(os.path.join(pictures, "%s-%d-%s.png" % (view, width, scheme)))
     browser.resize(1280, 900)
     browser.colours("light")
 
@@ -375,7 +375,8 @@ def main():
         check("Ctrl-C ends it with status 0 or 130", status in (0, 130), status)
         check("it said nothing on standard error", not bench.errors, bench.errors)
         imported(folder)
-        many_contacts(folder)
+        if THOROUGH:
+            many_contacts(folder)
 
 
 main()

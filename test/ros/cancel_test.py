@@ -33,21 +33,22 @@ class CancelTest(unittest.TestCase):
         support.remove(cls.folder)
         support.remove(rospy.get_param("/calibration_server/store"))
 
-    def test_one_at_a_time_and_cancel_in_every_stage(self):
-        """A run on a large session: refused beside it, cancelled in each stage it has, and the node lives on."""
-        big = support.simulate(os.path.join(self.folder, "big.bag"), "config/plans/micro_machine_tool.yaml")
-        effects = support.model("{type: mmt_deviation, axis: x, lead_mm: 0.5}", "{type: mmt_deviation, axis: y, lead_mm: 0.5}", "{type: mmt_deviation, axis: z, lead_mm: 0.5}")
-        # Without cancel first: the stages there are.
+    def stages_of(self, bag, effects):
+        """Those of a calibration that nobody cancels."""
         seen = []
         watch = rospy.Subscriber("calibration_server/progress", Progress, lambda m: seen.append(m.stage), queue_size=None)
-        done = service("calibrate", Calibrate, bag=big, model=effects)
+        done = service("calibrate", Calibrate, bag=bag, model=effects)
         self.assertTrue(done.calibration_id, done.message)
         watch.unregister()
-        stages = [s for i, s in enumerate(seen) if s and s not in seen[:i]]
-        self.assertIn("reading the bag", stages)
-        self.assertIn("genetic", stages)
-        self.assertGreater(len(stages), 2, stages)
-        refused = 0
+        return [s for i, s in enumerate(seen) if s and s not in seen[:i]]
+
+    def test_one_at_a_time_and_cancel_in_every_stage(self):
+        """A run on a large session: refused beside it, cancelled in each stage it has (every day two), and the node lives on."""
+        big = support.simulate(os.path.join(self.folder, "big.bag"), "config/plans/micro_machine_tool.yaml")
+        effects = support.model("{type: mmt_deviation, axis: x, lead_mm: 0.5}", "{type: mmt_deviation, axis: y, lead_mm: 0.5}", "{type: mmt_deviation, axis: z, lead_mm: 0.5}")
+        always, refused = ["reading the bag", "genetic"], 0
+        stages = self.stages_of(big, effects) if support.thorough_tests() else always
+        self.assertLessEqual(set(always), set(stages))
         for stage in stages:
             now, answers = [""], []
             watch = rospy.Subscriber("calibration_server/progress", Progress, lambda m: now.__setitem__(0, m.stage), queue_size=None)
@@ -62,13 +63,13 @@ class CancelTest(unittest.TestCase):
             call.join(PATIENCE)  # how often a cancel is asked for in each stage: the unit tests Cancel.*
             self.assertFalse(call.is_alive(), "cancel in stage '%s' was not heard" % stage)
             print("cancelled in '%s': answered after %.2f s" % (stage, time.time() - began))
-            if stage in ("reading the bag", "genetic"):
+            if stage in always:
                 self.assertFalse(answers[0].success, stage)
                 self.assertIn("cancelled", answers[0].message)
             watch.unregister()
         self.assertGreater(refused, 0)
         small = service("calibrate", Calibrate, bag=self.bag, model=support.model("{type: scale, axis: x}"), method="least_squares")
-        for part in range(3):
+        for part in range(3 if support.thorough_tests() else 2):
             begun, answers = [], []
             watch = rospy.Subscriber("calibration_server/progress", Progress, lambda m: m.stage in begun or begun.append(m.stage),
                                      queue_size=None)

@@ -144,6 +144,13 @@ class Lease(unittest.TestCase):
     def pid(self, node):
         return xmlrpc.client.ServerProxy(rosgraph.Master("/test").lookupNode(node)).getPid("/test")[2]
 
+    def another(self, node, pid):
+        """Whether roslaunch has started the next one of that name."""
+        try:
+            return self.pid(node) != pid
+        except (OSError, rosgraph.MasterError):
+            return False  # the one that ended
+
     def test_4_measure_is_killed(self):
         self.start_plan()
         os.kill(self.pid("/measure"), signal.SIGKILL)
@@ -195,7 +202,7 @@ class Lease(unittest.TestCase):
             os.kill(pid, number)
             self.rests(time.monotonic())
             self.assertTrue(support.wait_until(lambda: not os.path.exists("/proc/%d" % pid)), "it does not end")
-            time.sleep(1.5)  # until roslaunch has started the next one
+            self.assertTrue(support.wait_until(lambda: self.another("/measure", pid), 60), "no other one begins")
 
     def test_8_a_goal_of_nobody_begins_nothing(self):
         self.home()

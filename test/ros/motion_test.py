@@ -72,7 +72,7 @@ class Motion(unittest.TestCase):
 
     def test_1_stop_in_the_wait_of_a_plan_ends_it(self):
         self.home()
-        for _ in range(7):
+        for _ in range(7 if support.thorough_tests() else 2):
             self.measure.send_goal(MeasureGoal(plan=WAITING))
             self.assertTrue(support.wait_until(lambda: abs(self.place()[0] - 0.001) < 1e-9 and abs(self.place()[2] - 0.010) < 1e-9),
                             self.measure.get_goal_status_text())

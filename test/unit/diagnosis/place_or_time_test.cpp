@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,6 +18,7 @@
 #include "effects/profile.h"
 #include "effects/registry.h"
 #include "estimation/calibrate.h"
+#include "long_tests.h"
 #include "model/observed_domain.h"
 #include "random_numbers.h"
 #include "session/artifact_file.h"
@@ -31,6 +33,13 @@ using test_support::RandomNumbers;
 constexpr double kNoise = 0.4;    // um
 constexpr double kTravel = 40.0;  // mm, from -20 to 20
 constexpr int kRuns = 5, kTargets = 41;
+
+/// As many in a thorough run; every day the first.
+std::vector<std::uint64_t> seeds(std::uint64_t many) {
+  std::vector<std::uint64_t> all(mm_test::thoroughTests() ? many : 1);
+  std::iota(all.begin(), all.end(), 1);
+  return all;
+}
 
 /// um, of mm from the start of the travel and the direction of travel.
 using Error = std::function<double(double, double)>;
@@ -63,16 +72,14 @@ Diagnosis diagnosisOf(double memory, const Error& error, std::uint64_t seed, dou
 
 double nothing(double /*x*/, double /*way*/) { return 0.0; }
 
-// before: told as scatter from one place to the next in such sessions, and some were no more explained
 TEST(PlaceOrTime, NoiseWithMemoryIsDrift) {
   for (const double memory : {16.0, 40.0})
-    for (const std::uint64_t seed : {1, 2, 3}) {
+    for (const std::uint64_t seed : seeds(3)) {
       const Diagnosis d = diagnosisOf(memory, nothing, seed);
       EXPECT_EQ(d.base.repeated.from, "runs");
       EXPECT_EQ(d.verdict, Verdict::kExplained) << d.sentence;
       ASSERT_EQ(d.drift.size(), 1u) << d.sentence;
       EXPECT_FALSE(d.drift[0].quick) << d.sentence;
-      // before: 0.117 ± 0.006, as if it were known that the rest is drift
       EXPECT_NEAR(d.noise / kMicrometre, kNoise, 3.0 * d.noiseStd / kMicrometre) << d.sentence;
       EXPECT_LT(d.noiseStd / kMicrometre, 0.3) << d.sentence;
       EXPECT_EQ(d.sentence.find("place"), std::string::npos) << d.sentence;
@@ -80,7 +87,7 @@ TEST(PlaceOrTime, NoiseWithMemoryIsDrift) {
 }
 
 TEST(PlaceOrTime, WhatEachRunHasFollowsThePlace) {
-  for (const std::uint64_t seed : {1, 2}) {
+  for (const std::uint64_t seed : seeds(2)) {
     RandomNumbers random(seed + 100);
     std::vector<double> own(kTargets);
     for (double& o : own) o = random.normal(1.5);
@@ -92,10 +99,9 @@ TEST(PlaceOrTime, WhatEachRunHasFollowsThePlace) {
   }
 }
 
-// before: "x drifts by 3.3 um with a time constant of 2 min", as it is smooth from one run to the next
 TEST(PlaceOrTime, APlayThatIsLargerInTheMiddleIsNoDrift) {
   for (const double ends : {0.5, 2.0})
-    for (const std::uint64_t seed : {1, 2}) {
+    for (const std::uint64_t seed : seeds(2)) {
       const auto worn = [&](double x, double way) {
         return 0.5 * way * (ends + 5.0 * std::sin(kPi * x / kTravel));
       };
@@ -118,7 +124,7 @@ TEST(PlaceOrTime, WhatIsLostOverTheWaySinceAReversalIsLostMotion) {
     const double gone = way > 0.0 ? x : kTravel - x;
     return -0.5 * way * kGap * (1.0 - 2.0 * std::exp(-gone / kWindUp));
   };
-  for (const std::uint64_t seed : {1, 2, 3}) {
+  for (const std::uint64_t seed : seeds(3)) {
     const Diagnosis d = diagnosisOf(0.0, lost, seed);
     ASSERT_EQ(d.missing.size(), 1u) << d.sentence;
     EXPECT_EQ(d.missing[0].effect, EffectSpec("lost_motion").set("axis", "x")) << d.sentence;
@@ -137,7 +143,7 @@ TEST(PlaceOrTime, APlayThatIsLargerAtOnePlaceIsNoCycleInTime) {
   };
   const std::vector<EffectSpec> model = {EffectSpec("backlash").set("axis", "x"),
                                          EffectSpec("scale").set("axis", "x")};
-  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+  for (const std::uint64_t seed : seeds(4)) {
     const Diagnosis d = diagnosisOf(0.0, worn, seed, 0.25, 1.0, model);
     EXPECT_TRUE(d.missing.empty()) << d.sentence;
     EXPECT_TRUE(d.drift.empty()) << d.sentence;
@@ -159,7 +165,7 @@ TEST(PlaceOrTime, AProfileInTheModelHasRowsOfItsOwn) {
 // A play is a lost motion that is lost at once: what is said of the two is not that nothing would tell.
 TEST(PlaceOrTime, APlayIsNotTheSameAsALostMotion) {
   const auto play = [](double, double way) { return -2.0 * way; };
-  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+  for (const std::uint64_t seed : seeds(4)) {
     const Diagnosis d = diagnosisOf(0.0, play, seed);
     ASSERT_EQ(d.missing.size(), 1u) << d.sentence;
     EXPECT_EQ(d.missing[0].effect, EffectSpec("backlash").set("axis", "x")) << d.sentence;
@@ -170,7 +176,7 @@ TEST(PlaceOrTime, APlayIsNotTheSameAsALostMotion) {
 // Targets half a period apart tell neither a longer wave nor a larger one.
 TEST(PlaceOrTime, AWaveOfTwoStepsIsNoLongerAndNoLarger) {
   const auto wave = [](double x, double) { return 2.0 * std::sin(kPi * x / 2.0 + 0.8); };
-  for (const std::uint64_t seed : {1, 2}) {
+  for (const std::uint64_t seed : seeds(2)) {
     const Diagnosis d = diagnosisOf(0.0, wave, seed, 0.5, 2.0);
     ASSERT_EQ(d.missing.size(), 1u) << d.sentence;
     const CandidateResult& m = d.missing[0];
@@ -220,9 +226,8 @@ Session touchedAtTheSameHeights(std::uint64_t seed, double walking = 0.5, double
   return readContactsCsv(folder.write("touches.csv", csv), machine, &artifact);
 }
 
-// before: waves of 13 to 58 um with their nodes at these heights, where nothing is hidden
 TEST(PlaceOrTime, AWaveWithItsNodesAtTheTouchesIsNotAsked) {
-  for (const std::uint64_t seed : {1, 2}) {
+  for (const std::uint64_t seed : seeds(2)) {
     const Session session = touchedAtTheSameHeights(seed);
     const Model model(session.machine, observedDomain(session), std::vector<EffectPtr>());
     const Diagnosis d = diagnose(session, model, {});
@@ -239,7 +244,6 @@ TEST(PlaceOrTime, AWaveWithItsNodesAtTheTouchesIsNotAsked) {
   }
 }
 
-// before: a trigger that comes 1 ms before the contact stood first among what acts alike
 TEST(PlaceOrTime, ATriggerBeforeTheContactIsNotTheFirstOfWhatActsAlike) {
   for (const double larger : {2.0, -2.0}) {
     const Session session = touchedAtTheSameHeights(1, 0.0, larger);
@@ -262,7 +266,7 @@ TEST(PlaceOrTime, ATriggerBeforeTheContactIsNotTheFirstOfWhatActsAlike) {
 TEST(PlaceOrTime, OneBadReadingIsNoCause) {
   // four times the noise, at the start: a warm-up or a jump of which nothing but this reading is seen would
   // fit it
-  for (const std::uint64_t seed : {1, 2, 3}) {
+  for (const std::uint64_t seed : seeds(3)) {
     int reading = 0;
     const Diagnosis d = diagnosisOf(
         0.0, [&](double, double) { return reading++ == 0 ? 4.0 * kNoise : 0.0; }, seed);
