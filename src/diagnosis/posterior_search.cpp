@@ -2,43 +2,69 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 
 #include "effects/registry.h"
+#include "posterior/part_of_first.h"
 
 namespace mm {
 namespace {
 
 constexpr double kDeclaredFreedoms = 8.0;  // of a repeatability that somebody stated: good to a quarter
 constexpr double kExpected = 1.0;          // causes that act in a session, before it is seen
+constexpr double kPossibleSize = -4.6;     // log probability, one in a hundred, that a size obeys its law
 constexpr double kAlone = 0.97;            // share of its slot from which a leader has no rivals
 
-/// A cause with a name that explains nearly all that a curve does is told, and the curve is for its rest: the
-/// likeliest beside all that acts, the curve among it, if it may act at all. @param logOdds of each cause.
-void nameCurves(const Search& search, const Evidence& evidence, const std::vector<double>& logOdds,
-                std::vector<Member>& members) {
+/// Whether the size of a law beside others is one that it can have.
+bool isPossible(const Evidence& evidence, const Shape& shape, std::vector<Member> members,
+                const Member& law) {
+  if (!shape.effect->nature().secondPartOfFirst) return true;
+  members.push_back(law);
+  const Evidence::Fit fit = evidence.fit(members);
+  return logPartOfFirst(Eigen::Vector2d(fit.values.back().head<2>()),
+                        Eigen::Matrix2d(fit.covariance.back().topLeftCorner<2, 2>())) > kPossibleSize;
+}
+
+/// The cause that is likeliest in the place of a curve is told where its law explains nearly all that the
+/// curve does, and the curve is for its rest. @param acting of the members, in their order.
+std::vector<CurveName> nameCurves(const Search& search, const Evidence& evidence, const NoiseView& noise,
+                                  const ActingSet& acting, std::vector<Member>& members) {
   const std::vector<Group>& groups = search.questions().groups.groups;
-  const double least = std::log(kPossible / (1.0 - kPossible));
   const std::vector<Member> found = members;
+  std::vector<CurveName> names;
   for (std::size_t j = 0; j < found.size(); ++j) {
     if (!groups[static_cast<std::size_t>(found[j].group)].profile) continue;
     std::vector<Member> others = found;
+    ActingSet beside = acting;
     others.erase(others.begin() + static_cast<long>(j));
+    beside.erase(beside.begin() + static_cast<long>(j));
+    std::vector<double> logOdds = noise.look(beside).logOdds;
+    for (std::size_t g = 0; g < groups.size(); ++g)
+      if (groups[g].profile) logOdds[g] = -std::numeric_limits<double>::infinity();
+    for (const Member& m : members)
+      logOdds[static_cast<std::size_t>(m.group)] = -std::numeric_limits<double>::infinity();
+    const auto best = std::max_element(logOdds.begin(), logOdds.end());
+    if (!std::isfinite(*best)) continue;
     const Evidence::Given given = evidence.given(others);
     const auto explained = [&](double gain) { return -std::expm1(-2.0 * gain / given.freedoms); };
-    const double byCurve = explained(evidence.gainOf(given, others, *found[j].columns).value);
-    Gain name;
-    for (const Gain& g : evidence.gains(given)) {
-      const auto acts = [&](const Member& m) { return m.group == g.group; };
-      if (g.group < 0 || groups[static_cast<std::size_t>(g.group)].profile ||
-          std::any_of(members.begin(), members.end(), acts) || !(explained(g.value) > kMostOfIt * byCurve))
-        continue;
-      const double odds = logOdds[static_cast<std::size_t>(g.group)];
-      if (odds > (name.group < 0 ? least : logOdds[static_cast<std::size_t>(name.group)])) name = g;
-    }
-    if (name.group >= 0) members.push_back(search.memberOf(name));
+    const Gain gain = evidence.gainOf(given, static_cast<int>(best - logOdds.begin()));
+    if (gain.group < 0) continue;
+    const Member name = search.memberOf(gain);
+    const Shape& shape =
+        groups[static_cast<std::size_t>(gain.group)].shapes[static_cast<std::size_t>(gain.shape)];
+    Member law = name;  // what it has beside its law may be anything
+    law.columns = std::make_shared<RowMatrix>(name.columns->leftCols(shape.main));
+    if (!isPossible(evidence, shape, others, law) ||
+        !(explained(evidence.gainOf(given, others, *law.columns).value) >
+          kMostOfIt * explained(evidence.gainOf(given, others, *found[j].columns).value)))
+      continue;
+    members.push_back(name);
+    const Eigen::Map<const Eigen::ArrayXd> all(logOdds.data(), static_cast<Eigen::Index>(logOdds.size()));
+    names.push_back({found[j].group, gain.group, std::exp(*best - logSumExp(all))});
   }
+  return names;
 }
 
 }  // namespace
@@ -122,12 +148,13 @@ std::vector<Member> membersOf(const Search& search, const Evidence& evidence, co
 }
 
 Explanation explanationOf(const Questions& q, const PosteriorProblem& problem, const ActingSet& acting,
-                          const NoiseState& noise) {
+                          const NoiseState& noise, std::vector<CurveName>* names) {
   const Search search(q);
   const Explanation start = noiseOnly(noise);
   const auto evidence = search.evidenceAt(start);
   std::vector<Member> members = membersOf(search, *evidence, problem, acting);
-  nameCurves(search, *evidence, NoiseView(problem, noise).look(acting).logOdds, members);
+  std::vector<CurveName> named = nameCurves(search, *evidence, NoiseView(problem, noise), acting, members);
+  if (names != nullptr) *names = std::move(named);
   return search.refitted(members, start);
 }
 
@@ -151,7 +178,7 @@ PosteriorAnswer answerOf(const Questions& q, const PosteriorProblem& problem, Po
   };
   const NoiseState& noise =
       (*std::max_element(out.sample.pool.begin(), out.sample.pool.end(), densest))->state();
-  out.found = explanationOf(q, problem, named, noise);
+  out.found = explanationOf(q, problem, named, noise, &out.curveNames);
   return out;
 }
 
@@ -210,15 +237,16 @@ void takePossible(const Questions& q, const PosteriorAnswer& answer, Diagnosis& 
 
 void takeOdds(const Questions& q, const PosteriorAnswer& answer, Diagnosis& out) {
   const Domain& domain = q.space->problem().model().domain();
-  const auto inclusionOf = [&](const EffectSpec& effect, double otherwise) {
-    const std::string key = causeOf(*createEffect(effect, domain));
-    for (std::size_t g = 0; g < answer.sample.inclusion.size(); ++g)
-      if (q.groups.groups[g].key == key) return answer.sample.inclusion[g];
-    return otherwise;
-  };
-  for (CandidateResult& r : out.missing) r.odds = odds(answer.sample, inclusionOf(r.effect, r.odds));
+  for (CandidateResult& r : out.missing)
+    for (const CurveName& name : answer.curveNames)
+      if (causeOf(*createEffect(r.effect, domain)) ==
+          q.groups.groups[static_cast<std::size_t>(name.cause)].key)
+        r.odds =
+            odds(answer.sample, name.share * answer.sample.inclusion[static_cast<std::size_t>(name.curve)]);
   for (ProfileResult& p : out.profiles) {
-    p.odds = odds(answer.sample, inclusionOf(p.effect, p.odds));
+    const std::string key = causeOf(*createEffect(p.effect, domain));
+    for (std::size_t g = 0; g < answer.sample.inclusion.size(); ++g)
+      if (q.groups.groups[g].key == key) p.odds = odds(answer.sample, answer.sample.inclusion[g]);
   }
   for (const Slot& slot : answer.slots) {
     const Group& group = q.groups.groups[static_cast<std::size_t>(slot.causes.front())];

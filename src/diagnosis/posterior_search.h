@@ -5,6 +5,12 @@
 
 namespace mm {
 
+/// A cause with a name that explains nearly all that a curve does.
+struct CurveName {
+  int curve = -1, cause = -1;  // groups of the questions
+  double share = 0.0;          // probability that it is this one, where one in the catalogue does
+};
+
 /// What the posterior over sets of causes says of a session.
 struct PosteriorAnswer {
   PosteriorSample sample;
@@ -12,6 +18,7 @@ struct PosteriorAnswer {
   std::vector<Slot> slots;     // likeliest first; causes are groups of the questions
   std::vector<int> likeliest;  // a group: its shape of most probability, -1: none was visited
   Explanation found;           // the leaders of the named slots, refitted
+  std::vector<CurveName> curveNames = {};
 
   /// A cause that does not clearly predict is not named; it acts where it predicts anything, too.
   /// @param probability that it does.
@@ -30,9 +37,10 @@ Explanation noiseOnly(const NoiseState& noise);
 /// What acts, with the nonlinear parameters at their best at this noise. @param evidence of the questions.
 std::vector<Member> membersOf(const Search& search, const Evidence& evidence, const PosteriorProblem& problem,
                               const ActingSet& acting);
-/// What acts, and the noise beside it, refitted as causes of the questions.
+/// What acts, and the noise beside it, refitted as causes of the questions. @param names of its curves.
 Explanation explanationOf(const Questions& questions, const PosteriorProblem& problem,
-                          const ActingSet& acting, const NoiseState& noise);
+                          const ActingSet& acting, const NoiseState& noise,
+                          std::vector<CurveName>* names = nullptr);
 /// Degrees of freedom that the repeatability of a fit is worth.
 double statedFreedomsOf(const CalibrationResult& fitted);
 

@@ -189,6 +189,7 @@ Groups QuestionList::made(std::size_t first, std::size_t count) const {
       continue;
     }
     made[i].shape.first = at;
+    made[i].shape.curved = wanted[i].along == SizeAlong::kAsACurve;
     out.columns.middleCols(at, made[i].shape.count) = made[i].columns;
     at += made[i].shape.count;
     std::vector<Shape>& shapes = out.groups[wanted[i].group - first].shapes;
@@ -220,7 +221,8 @@ void QuestionList::setPrices(std::vector<Shape>& shapes, int passedOver) {
       if (spec == effect) return count;
     return ofEffect.emplace_back(effect, 0).second;
   };
-  for (const Shape& s : shapes) ++countOf(s);
+  for (const Shape& s : shapes)  // that a size may follow a curve, too, takes nothing from the usual shapes
+    if (!s.curved) ++countOf(s);
   for (Shape& s : shapes) {
     const int looked = countOf(s) + (s.effect->nature().fineWaves.lengths.empty() ? 0 : passedOver);
     s.price = std::log(static_cast<double>(ofEffect.size())) + std::log(static_cast<double>(looked));

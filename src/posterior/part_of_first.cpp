@@ -10,7 +10,6 @@
 namespace mm {
 namespace {
 
-constexpr double kBefore = 0.125;        // probability, of independent coefficients
 constexpr double kExact = 1e-10;         // less than this the sum of two large terms does not tell
 constexpr double kCorrelated = 0.99999;  // more is rounding
 
@@ -51,7 +50,7 @@ double logPartOfFirst(const Eigen::Vector2d& mean, const Eigen::Matrix2d& covari
   const Eigen::Vector2d std = of.diagonal().cwiseMax(0.0).cwiseSqrt();
   if (!(std.minCoeff() > 0.0)) return 0.0;
   const double h = at[0] / std[0], k = at[1] / std[1], correlation = of(0, 1) / (std[0] * std[1]);
-  return logBothBelow(h, k, correlation) - std::log(kBefore);
+  return logBothBelow(h, k, correlation);
 }
 
 Sizes logPartOfFirst(const Eigen::MatrixXd& products, const Eigen::VectorXd& target, double rest,

@@ -5,10 +5,11 @@
 
 namespace mm {
 
-/// Of a law whose first coefficient is positive and whose second is a part of it (what is lost at once, of all
-/// that is lost): how much likelier data make it that the two are such, than independent coefficients about
-/// zero are before any data, which are so in one of eight. This is the Bayes factor of the law against the
-/// same columns with free coefficients (Klugkist and Hoijtink, Comput. Stat. Data Anal. 51 (2007)).
+/// Of a law whose first coefficient is positive and whose second is a part of it (what is lost at once, of
+/// all that is lost): probability, given the data, that the coefficients of its columns are such. Its
+/// logarithm belongs to the evidence of the columns with free coefficients (Klugkist and Hoijtink, Comput.
+/// Stat. Data Anal. 51 (2007)); that they are such before any data is in how seldom the cause is met
+/// (Nature::met).
 /// @param mean, covariance of the two coefficients. @return nats.
 double logPartOfFirst(const Eigen::Vector2d& mean, const Eigen::Matrix2d& covariance);
 

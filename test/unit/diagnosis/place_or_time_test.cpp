@@ -153,6 +153,25 @@ TEST(PlaceOrTime, APlayThatIsLargerAtOnePlaceIsNoCycleInTime) {
   }
 }
 
+// A lost motion with more at once than in all would be such a play and a scale in one.
+TEST(PlaceOrTime, APlayThatIsLargerAtOnePlaceIsNoLostMotionBesideAScale) {
+  const auto worn = [](double bump, double wave) {
+    return [=](double x, double way) {
+      const double apart = (x - 20.0) / 6.0;
+      return 3.0 * x / 10.0 - 0.5 * way * (6.0 + bump * std::exp(-apart * apart)) +
+             wave * std::sin(2.0 * kPi * x / 0.55);  // at the targets like chance
+    };
+  };
+  for (const auto& [bump, wave] : {std::pair{4.0, 0.0}, std::pair{1.5, 1.5}})
+    for (const std::uint64_t seed : seeds(4)) {
+      const Diagnosis d = diagnosisOf(0.0, worn(bump, wave), seed, 0.2, 4.0);
+      EXPECT_TRUE(std::any_of(d.missing.begin(), d.missing.end(), [](const CandidateResult& m) {
+        return m.effect.type == "backlash";
+      })) << d.sentence;
+      for (const CandidateResult& m : d.missing) EXPECT_NE(m.effect.type, "lost_motion") << d.sentence;
+    }
+}
+
 // What is known beforehand of a profile's weights are rows that no observation has: a play beside it changes
 // along the axis in the others alone.
 TEST(PlaceOrTime, AProfileInTheModelHasRowsOfItsOwn) {
