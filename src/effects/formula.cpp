@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "base/error.h"
 #include "base/nearest_name.h"
@@ -32,15 +33,18 @@ std::string unitOfTerm(const Expression& expression, const FormulaVariables& var
     formula.variables()[of] *= 2.0;
     return std::log2(formula(k.data()) / before);
   };
+  std::map<std::string, int> powers;  // of the units
   for (std::size_t v = 0; v < used.size(); ++v) {
-    std::string below = variables.unit(used[v]);
+    const std::string below = variables.unit(used[v]);
     const double first = power(v, kBases[0]), second = power(v, kBases[1]), whole = std::round(first);
     if (below.empty() || !(std::abs(first - whole) < kSame && std::abs(second - whole) < kSame) ||
         whole == 0.0)
       continue;
-    if (below.find('/') != std::string::npos) below = "(" + below + ")";
-    const int n = std::abs(static_cast<int>(whole));
-    unit += (whole > 0.0 ? "/" : "*") + below + (n > 1 ? "^" + std::to_string(n) : "");
+    powers[below.find('/') != std::string::npos ? "(" + below + ")" : below] += static_cast<int>(whole);
+  }
+  for (const auto& [of, power] : powers) {
+    const int n = std::abs(power);
+    if (n > 0) unit += (power > 0 ? "/" : "*") + of + (n > 1 ? "^" + std::to_string(n) : "");
   }
   return unit;
 }

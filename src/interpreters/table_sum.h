@@ -46,7 +46,7 @@ struct AxesGrid {
   std::vector<double> values;  // the last input fastest
   bool alwaysTold = false;     // of points(): also where it adds nothing
 
-  double value(const CommandedState& command) const;
+  double value(const CommandedState& command) const;  ///< at a command, m or rad
 };
 
 /// Motor = command + every table's value at the command: how most controllers compensate.

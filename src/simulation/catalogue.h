@@ -46,7 +46,7 @@ struct Making {
   Workshop& workshop;
   Random& random;
 
-  double number(const std::string& name) const { return source.number(name); }
+  double number(const std::string& name) const { return source.number(name); }  ///< a stated size, SI
   /// The joint that a key names; -1: none of that name.
   int joint(const std::string& key = "axis") const { return workshop.machine.findJoint(source.key(key)); }
   int body(const std::string& key) const { return workshop.thermal.findBody(source.key(key)); }
