@@ -42,8 +42,16 @@ class ActionCall {
   ActionCall(const ActionCall&) = delete;
   ActionCall& operator=(const ActionCall&) = delete;
 
-  /// @param most by the clock of ROS; zero: for ever. @return whether it is there.
-  bool waitForServer(const ros::Duration& most) { return client_.waitForActionServerToStart(most); }
+  /// @param most of real time: a simulated clock may run twenty times as fast. @return whether it is there.
+  bool waitForServer(const ros::WallDuration& most) {
+    constexpr double kLook = 0.01;  // s
+    const ros::WallTime end = ros::WallTime::now() + most;
+    while (!client_.isServerConnected()) {
+      if (!ros::ok() || ros::WallTime::now() > end) return false;
+      ros::WallDuration(kLook).sleep();
+    }
+    return true;
+  }
   /// Whether the server listens now.
   bool isServerConnected() { return client_.isServerConnected(); }
 

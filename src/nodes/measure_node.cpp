@@ -178,7 +178,7 @@ void MeasureNode::execute(const measuring_machine::MeasureGoalConstPtr& goal) {
       throw InputError("'first' is " + std::to_string(goal->first) + "; the plan has moves 0 to " +
                        std::to_string(plan.moves.size() - 1));
     sayBlockedWays(plan);
-    if (!axes_.waitForServer(ros::Duration(5.0)))
+    if (!axes_.waitForServer(ros::WallDuration(5.0)))
       throw Error("the axis driver does not answer; is the node axis_driver running?");
     if (!(goal->lease == 0.0 || (goal->lease >= 0.1 && goal->lease <= 60.0)))
       throw InputError("'lease' is " + std::to_string(goal->lease) + "; it must be 0, or from 0.1 to 60");
