@@ -30,12 +30,13 @@ constexpr const char* kVerifications = "verifications";
 constexpr const char* kCertificates = "certificates";
 constexpr const char* kSuffix = ".yaml";
 
-/// Temporary files of a writer that was killed. Only under the lock, where no living writer has any.
+/// Temporary files of a writer that was killed. Only under the lock, where no living writer has any. Throws
+/// nothing: the lock that calls it must be released.
 void removeLeftovers(const fs::path& folder) {
-  std::error_code ignored;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
-    if (entry.path().filename().string().find(kTemporaryMark) != std::string::npos)
-      fs::remove(entry.path(), ignored);
+  std::error_code unreadable, ignored;
+  for (fs::directory_iterator at(folder, unreadable), end; !unreadable && at != end; at.increment(unreadable))
+    if (at->path().filename().string().find(kTemporaryMark) != std::string::npos)
+      fs::remove(at->path(), ignored);
 }
 
 /// Lets one writer at a time into a folder, without what those that were killed left there; released with

@@ -35,8 +35,8 @@ struct Shape {
   /// Coefficient of the first column beyond which sizes are met less and less: that of Parameter::usual,
   /// where nothing of it is known a part of its bound.
   double usual = std::numeric_limits<double>::infinity();
-  bool curved = false;          // its size follows a curve along a joint: SizeAlong::kAsACurve
   bool seldomNegative = false;  // that coefficient (Parameter::seldomNegative)
+  bool curved = false;          // its size follows a curve along a joint: SizeAlong::kAsACurve
   /// Of a coefficient of the first column, in nats. A half-t of three degrees of freedom, whose odds fall
   /// with the third power of the size: it can still be shown, and does not stand where an ordinary size of
   /// another cause explains as much (a scale, and an expansion of forty times that of steel at a temperature

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "base/number_text.h"
 #include "base/text.h"
 #include "base/units.h"
 
@@ -95,7 +96,7 @@ double numberParameterOf(const ControllerSetup& setup, const std::string& name, 
   const double value = valueOf(name, found->second);
   if (!(value >= lower && value <= upper))
     throw InputError("parameter '" + name + "' of the controller is " + found->second + "; it must be from " +
-                     std::to_string(lower) + " to " + std::to_string(upper));
+                     numberText(lower) + " to " + numberText(upper));
   return value;
 }
 

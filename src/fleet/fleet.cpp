@@ -7,6 +7,7 @@
 #include <set>
 #include <tuple>
 
+#include "base/erase_if.h"
 #include "base/error.h"
 #include "base/nearest_name.h"
 #include "fleet/sensor_health.h"
@@ -18,11 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kFewestPoints = 5;  // of a series that is asked for a trend
-
-template <class Thing, class Which>
-void removeThose(std::vector<Thing>& things, const Which& which) {
-  things.erase(std::remove_if(things.begin(), things.end(), which), things.end());
-}
 
 /// A calibration that could not be read: of which model is not known.
 bool modelUnknown(const FleetRecord& r) { return r.model.empty() && r.result.status != "done"; }
@@ -62,10 +58,10 @@ void keepWanted(Fleet& fleet, const FleetOptions& options) {
   for (FleetRecord& r : fleet.records) {
     std::vector<std::string>& found = r.result.found;
     quantities.insert(found.begin(), found.end());
-    removeThose(found, other);
+    eraseIf(found, other);
     any = any || !found.empty();
   }
-  removeThose(fleet.series, [&](const FleetSeries& s) { return other(s.quantity); });
+  eraseIf(fleet.series, [&](const FleetSeries& s) { return other(s.quantity); });
   if (fleet.series.empty() && !any)
     throw InputError("--parameter: no quantity has '" + options.parameter + "' in its name; there are " +
                      listOf({quantities.begin(), quantities.end()}));
@@ -166,8 +162,8 @@ Fleet fleetOf(std::vector<FleetRecord> records, const FleetOptions& options) {
   findRecurrences(fleet, half * options.alarm / std::max(1.0, recurrences));
   findBadSensors(fleet);
   condense(fleet);
-  removeThose(fleet.findings,
-              [&](const Finding& f) { return f.quantity.find(options.parameter) == std::string::npos; });
+  eraseIf(fleet.findings,
+          [&](const Finding& f) { return f.quantity.find(options.parameter) == std::string::npos; });
   std::stable_sort(fleet.findings.begin(), fleet.findings.end(),
                    [](const Finding& a, const Finding& b) { return a.p < b.p; });
   if (options.machine.empty()) return fleet;
@@ -176,10 +172,10 @@ Fleet fleetOf(std::vector<FleetRecord> records, const FleetOptions& options) {
                      didYouMean(options.machine, fleet.machines) + " (machines are " +
                      listOf(fleet.machines) + ")");
   const auto others = [&](const auto& item) { return item.machine != options.machine; };
-  removeThose(fleet.series, others);
-  removeThose(fleet.findings, others);
-  removeThose(fleet.records, others);
-  removeThose(fleet.failures, others);
+  eraseIf(fleet.series, others);
+  eraseIf(fleet.findings, others);
+  eraseIf(fleet.records, others);
+  eraseIf(fleet.failures, others);
   return fleet;
 }
 

@@ -264,11 +264,12 @@ Observation blankRow(const ImportContext& context, ObservationKind kind, std::si
   return o;
 }
 
-Session emptySession(const ImportContext& context) {
+Session emptySession(const ImportContext& context, bool byHead) {
   Session session(context.machine);
   session.source = context.file.path().string();
   session.rowFile = context.file.path().filename().string();
-  session.epoch = dateInHead(context).value_or(static_cast<double>(kImportEpoch));
+  session.epoch = static_cast<double>(kImportEpoch);
+  if (byHead) session.epoch = dateInHead(context).value_or(session.epoch);
   if (context.artifact != nullptr) session.artifact = *context.artifact;
   return session;
 }

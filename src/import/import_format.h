@@ -72,8 +72,9 @@ void readAnyTable(ImportContext& context);
 /// directions of readings at standstill. @throw InputError as Session::prepare.
 void finishImport(ImportContext& context, Session session);
 
-/// A session without rows, from this file; it begins at the date in its head, where there is one.
-Session emptySession(const ImportContext& context);
+/// A session without rows, from this file. @param byHead it begins at the date in the head of the file, where
+/// there is one; false: its times say when.
+Session emptySession(const ImportContext& context, bool byHead = true);
 
 /// A row of this machine with nothing measured yet: joints at the mapping's `fixed` or 0. @param time s.
 Observation blankRow(const ImportContext& context, ObservationKind kind, std::size_t line, double time);

@@ -225,9 +225,9 @@ class BedSession {
   }
 
   void session(bool flat) {
-    Session session = emptySession(context_);
-    const bool stamped = clocked();
-    if (stamped && touches_.front().calendar) session.epoch = secondsBetween(0, *touches_.front().stamp);
+    const bool stamped = clocked(), dated = stamped && touches_.front().calendar;
+    Session session = emptySession(context_, !dated);
+    if (dated) session.epoch = secondsBetween(0, *touches_.front().stamp);
     Range heights;
     for (const Touch& t : touches_) heights.add(t.z);
     for (std::size_t i = 0; i < touches_.size(); ++i) {

@@ -69,7 +69,7 @@ class CompensationNode {
   measuring_machine::CompensationStatus statusNow();
   void correctTarget(const measuring_machine::CorrectTarget::Request& request,
                      measuring_machine::CorrectTarget::Response& response);
-  /// Names of the machine's joints from the request, their directions at the target: -1, 1; 0: not told.
+  /// @return of each joint of the machine its direction of arrival at the target: -1, 1; 0: not told.
   std::vector<double> arrivalOf(const measuring_machine::CorrectTarget::Request& request) const;
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 

@@ -9,7 +9,7 @@ namespace mm {
 /// all that is lost): probability, given the data, that the coefficients of its columns are such. Its
 /// logarithm belongs to the evidence of the columns with free coefficients (Klugkist and Hoijtink, Comput.
 /// Stat. Data Anal. 51 (2007)); that they are such before any data is in how seldom the cause is met
-/// (Nature::met).
+/// (Nature::met). Columns beside these two are not asked.
 /// @param mean, covariance of the two coefficients. @return nats.
 double logPartOfFirst(const Eigen::Vector2d& mean, const Eigen::Matrix2d& covariance);
 

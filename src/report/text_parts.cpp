@@ -72,7 +72,8 @@ bool isOf(const EffectSpec& effect, const std::vector<std::string>& joints) {
 
 std::string idleText(const std::vector<std::string>& idle, std::size_t effects) {
   if (effects == 0) return {};
-  return "  " + listOf(idle) + " never moved: " + std::to_string(effects) + " effects of " +
+  return "  " + listOf(idle) + " never moved: " + std::to_string(effects) +
+         (effects == 1 ? " effect of " : " effects of ") +
          (idle.size() > 1 ? "them or along them" : "it or along it") + " (--json lists them)\n";
 }
 

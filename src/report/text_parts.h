@@ -28,7 +28,7 @@ std::string probabilityText(double p);
 /// Joints that the measurements never moved; whether an effect is one of them or along them.
 std::vector<std::string> idleJoints(const Domain& domain);
 bool isOf(const EffectSpec& effect, const std::vector<std::string>& joints);
-/// "  y and z never moved: 46 effects of them or along them (--json lists them)".
+/// "  y, z never moved: 46 effects of them or along them (--json lists them)".
 std::string idleText(const std::vector<std::string>& idle, std::size_t effects);
 /// The `mm add` line to type next: what is missing first, then what no effect explains; empty when there is
 /// nothing to add.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/erase_if.h"
 #include "base/error.h"
 #include "base/names_of.h"
 #include "base/nearest_name.h"
@@ -39,11 +40,6 @@ std::int64_t stampIn(const OneOf& message) {
 
 void addWords(std::string& text, const std::string& more) {
   if (!more.empty()) text += (text.empty() ? "" : "; ") + more;
-}
-
-template <typename Item, typename Gone>
-void eraseIf(std::vector<Item>& items, Gone gone) {
-  items.erase(std::remove_if(items.begin(), items.end(), gone), items.end());
 }
 
 }  // namespace

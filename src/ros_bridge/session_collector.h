@@ -112,7 +112,7 @@ class SessionCollector {
   void add(const Message& message);
   template <typename Message>
   void convert(const Message& message);
-  /// Forgets what was measured or logged at stamps (ns) for which `gone` holds.
+  /// Forgets what was measured, waits or was refused at stamps (ns) for which `gone` holds.
   template <typename Gone>
   void drop(Gone gone);
   void addValue(Logged& logged, const std::string& topic, const ros::Time& stamp, double value);

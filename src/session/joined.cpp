@@ -133,23 +133,23 @@ std::vector<Recording> partsOf(const Session& session) {
 }
 
 /// Of one day, and the first bears no time of day (its midnight stands for it).
-bool orderUnknown(const Session& first, const Session& second) {
-  return std::fmod(first.epoch, kDay) == 0.0 && second.epoch < first.epoch + kDay;
+bool orderUnknown(double first, double second) {
+  return std::fmod(first, kDay) == 0.0 && second < first + kDay;
 }
 
 /// In the order of time. @return begin of each, s from that of the first.
 std::vector<double> inOrder(std::vector<Session>& sessions, std::string& warning) {
-  bool dated =
-      std::all_of(sessions.begin(), sessions.end(), [](const Session& s) { return s.epoch >= kDated; });
+  std::vector<double> epochs;
+  for (const Session& s : sessions) epochs.push_back(s.epoch);
+  std::sort(epochs.begin(), epochs.end());
+  if (epochs.front() < kDated)
+    warning = "not all sessions have a date: they are taken in the order given, one day apart";
+  else if (std::adjacent_find(epochs.begin(), epochs.end(), orderUnknown) != epochs.end())
+    warning = "sessions of one day have no time of day: they are taken in the order given, one day apart";
+  const bool dated = warning.empty();
   if (dated)
     std::stable_sort(sessions.begin(), sessions.end(),
                      [](const Session& a, const Session& b) { return a.epoch < b.epoch; });
-  else
-    warning = "not all sessions have a date: they are taken in the order given, one day apart";
-  if (dated && std::adjacent_find(sessions.begin(), sessions.end(), orderUnknown) != sessions.end()) {
-    dated = false;
-    warning = "sessions of one day have no time of day: they are taken in the order given, one day apart";
-  }
   std::vector<double> begins = {0.0};
   for (std::size_t i = 1; i < sessions.size(); ++i) {
     const double end = begins.back() + lastTime(sessions[i - 1]);

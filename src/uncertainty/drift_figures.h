@@ -38,7 +38,8 @@ struct DriftFigures {
 
 /// @param curve values that are not finite do not count. @param noise standard deviation of one reading, in
 /// the unit of the curve; NaN: not known. Share and uncertainty come from noise that is added to the smoothed
-/// curve again and again, always the same; an end of the heating that was chosen is chosen anew each time.
+/// curve again and again, always the same; an end of the heating that was chosen is chosen anew each time, of
+/// every course: of those it was not chosen from this is an upper bound.
 /// What that adds to a displacement on average is part of its uncertainty.
 DriftFigures driftFigures(const DriftCurve& curve, const HeatedTime& heated, double noise);
 

@@ -228,9 +228,8 @@ def main():
         for name in ("config", "examples"):
             os.symlink(os.path.join(ROOT, name), os.path.join(work, name))
         try_typed("README.md", folder)
-        if THOROUGH:  # it diagnoses twice more
-            done = run(f"{ROOT}/scripts/loop_picture . --check", folder)
-            say(done.returncode == 0, "docs/loop.svg: its figures are those of the lines of README.md", done.stderr.strip()[-300:])
+        done = run(f"{ROOT}/scripts/loop_picture . --check", folder)
+        say(done.returncode == 0, "docs/loop.svg: its figures are those of the lines of README.md", done.stderr.strip()[-300:])
         try_typed("docs/find_a_missing_effect.md", folder, typed_lines(text_of("README.md")))
         folder = os.path.join(work, "build", "standard")
         os.makedirs(folder)

@@ -155,8 +155,11 @@ INSTANTIATE_TEST_SUITE_P(
                "plan new --machine three_axis --balls 2x3 -o new_plan.yaml"},
         Writer{"VerificationPlan", "plan verify plan.yaml --calibration c.yaml -o fresh_plan.yaml --force",
                "plan verify plan.yaml --calibration c.yaml --places 4 -o fresh_plan.yaml"},
-        Writer{"ExportLinuxCnc", "export c.yaml --to linuxcnc --tables-alone -o tables",
-               "export t.yaml --to linuxcnc --tables-alone -o tables"},
+        mm_test::thoroughTests()
+            ? Writer{"ExportLinuxCnc", "export c.yaml --to linuxcnc -o tables",
+                     "export t.yaml --to linuxcnc -o tables"}
+            : Writer{"ExportLinuxCnc", "export c.yaml --to linuxcnc --tables-alone -o tables",
+                     "export t.yaml --to linuxcnc --tables-alone -o tables"},
         Writer{"ExportCsv", "export c.yaml --to csv -o numbers"},
         Writer{"CertificateHtml", "certificate c.yaml s.bag --serial 7 --trials 200 -o certificate.html"},
         Writer{"CertificatePdf", "certificate c.yaml --serial 7 --trials 200 -o certificate.pdf"},

@@ -74,6 +74,10 @@ TEST(Joined, ADayWithoutATimeOfDayTellsNoOrderWithinIt) {
   EXPECT_EQ(both.recordings[0].source, "a.bag");
   EXPECT_GT(both.recordings[1].begin, kDay);
   EXPECT_THAT(both.warning, HasSubstr("no time of day"));
+  a.epoch = b.epoch + 36900.0;  // the other may have been measured before it or after it
+  EXPECT_EQ(joined({a, b}).recordings[0].source, "a.bag");
+  EXPECT_EQ(joined({b, a}).recordings[0].source, "b.bag");
+  a.epoch = b.epoch;
   b.epoch = a.epoch + kDay;
   EXPECT_EQ(joined({a, b}).recordings[1].begin, kDay);
   EXPECT_EQ(joined({a, b}).warning, "");
