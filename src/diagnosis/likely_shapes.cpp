@@ -300,6 +300,7 @@ bool LikelyShapes::extend(const PosteriorSample& sample, bool instead) {
     others.erase(others.begin() + static_cast<long>(j));
     any |= take(ask(noise, others, Wanted::kNearTheLikeliest));
   }
+  if (instead) any |= takeTwoForOne({set, noise});
   fill();
   any |= takeRefined(set, noise);
   if (!any) return false;

@@ -68,6 +68,11 @@ class LikelyShapes {
   static const NoiseState& noiseOf(const PosteriorSample& sample);
   std::vector<Taken> foundBy(const PosteriorSample& sample) const;
   bool take(std::vector<Asked> asked);
+  /// Two causes that act for one that was found, each far behind it alone: for each of the likeliest first
+  /// ones, what completes it. @return whether any is new.
+  bool takeTwoForOne(const Walk& found);
+  /// Asked beside the set of a walk and one more; as log densities, those of the walk with both.
+  std::vector<Asked> askBeside(const Walk& walk, const Asked& one);
   bool takeRefined(const std::vector<Taken>& set, const NoiseState& noise);
   void fill();
   ActingSet acting(const std::vector<Taken>& set) const;

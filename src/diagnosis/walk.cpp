@@ -9,10 +9,12 @@
 namespace mm {
 namespace {
 
-constexpr int kMostSteps = 8;          // causes of a walk
-constexpr double kSmallTerm = 0.4;     // ratio of a term of the noise for which a cause is tried
-constexpr double kAlike = 0.3;         // share of what a term of the noise did that a cause must do
+constexpr int kMostSteps = 8;       // causes of a walk
+constexpr double kSmallTerm = 0.4;  // ratio of a term of the noise for which a cause is tried
+constexpr double kAlike =
+    0.3;  // share of what a term of the noise or a cause did that one in its place must do
 constexpr std::size_t kMostAlike = 4;  // causes that are tried for a term
+constexpr std::size_t kMostFirst = 4;  // causes that are tried as the first of two for one
 // nats behind, before the noise is fitted again; and with the sizes of its terms fitted, before all of it is
 constexpr double kWorthSizing = 40.0, kWorthFitting = 20.0;
 
@@ -156,6 +158,63 @@ bool LikelyShapes::exchange(Walk& walk) {
   if (!(most > now)) return false;
   walk = std::move(best);
   return true;
+}
+
+std::vector<LikelyShapes::Asked> LikelyShapes::askBeside(const Walk& walk, const Asked& one) {
+  Walk with = walk;
+  with.set.push_back(one.taken);
+  std::map<int, Kept>& shapes = kept_[one.taken.group];
+  const bool isNew = shapes.emplace(one.taken.shape, one.kept).second;
+  std::vector<Asked> asked = ask(with.noise, with.set, Wanted::kNearTheLikeliest);
+  const double density = densityOf(with);
+  for (Asked& a : asked) a.logOdds += density;
+  if (isNew) shapes.erase(one.taken.shape);
+  if (shapes.empty()) kept_.erase(one.taken.group);
+  return asked;
+}
+
+bool LikelyShapes::takeTwoForOne(const Walk& found) {
+  const double least = densityOf(found) - kNear;
+  std::vector<Asked> pairs;
+  for (std::size_t j = 0; j < found.set.size(); ++j) {
+    Walk others = found;
+    others.set.erase(others.set.begin() + static_cast<long>(j));
+    const auto keepOthers = [&](std::vector<Asked>& of) {
+      const auto isSame = [&](const Asked& a) {
+        return a.taken.group == found.set[j].group || groups_.at(a.taken.group).profile;
+      };
+      of.erase(std::remove_if(of.begin(), of.end(), isSame), of.end());
+    };
+    const double worth = least + kNear - densityOf(others);
+    std::vector<Asked> firsts = ask(found.noise, others.set, Wanted::kOneOfEach);
+    keepOthers(firsts);
+    const auto doesLittle = [&](const Asked& a) { return a.likelier < kAlike * worth; };
+    firsts.erase(std::remove_if(firsts.begin(), firsts.end(), doesLittle), firsts.end());
+    std::stable_sort(firsts.begin(), firsts.end(),
+                     [](const Asked& a, const Asked& b) { return a.logOdds > b.logOdds; });
+    if (firsts.size() > kMostFirst) firsts.resize(kMostFirst);
+    for (const Asked& first : firsts) {
+      std::vector<Asked> seconds = askBeside(others, first);
+      keepOthers(seconds);
+      const auto second = likeliest(seconds);
+      if (second == seconds.end() || second->logOdds < least - kWorthFitting) continue;
+      // alone the first may have done some of the other's part: which of its shapes is it beside that one?
+      std::vector<Asked> again = askBeside(others, *second);
+      keepOthers(again);
+      const auto partner = likeliest(again);
+      if (partner == again.end() || partner->logOdds < least) continue;
+      Walk both = others;
+      both.set.push_back(second->taken);
+      both.set.push_back(partner->taken);
+      if (endsLikeAnother(both)) continue;
+      walks_.push_back(std::move(both));  // a sample may begin there
+      pairs.push_back(*second);
+      pairs.push_back(*partner);
+    }
+  }
+  const bool any = !pairs.empty();
+  take(std::move(pairs));
+  return any;
 }
 
 }  // namespace mm

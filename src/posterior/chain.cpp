@@ -11,6 +11,7 @@ namespace {
 constexpr double kTried = 0.3;
 constexpr double kRedrawn = 0.5;  // rate at which the shape of one that acts is drawn again
 constexpr int kNoiseEvery = 3;    // steps
+constexpr int kModeEvery = 4;
 constexpr int kPairEvery = 10;
 constexpr int kTogetherEvery = 10;
 constexpr double kNearlyAny = 0.1;  // power of the density by which a state of the noise is proposed
@@ -226,6 +227,37 @@ void PosteriorChain::stepPair() {
   if (std::log(1.0 - random_.uniform()) < logRatio) moveTo(std::move(to), std::move(look), std::move(rates));
 }
 
+double PosteriorChain::drawAsMode(const ActingSet& mode, const ActingSet* was, ActingSet& drawn) {
+  drawn = mode;
+  double log = 0.0;
+  for (std::size_t k = 0; k < mode.size(); ++k) {
+    const Conditionals look = view().look(drawn);
+    drawn[k] = was != nullptr ? (*was)[k] : drawShape(look, causeOf(mode[k]));
+    log += logDrawn(look, drawn[k]);
+  }
+  return log;
+}
+
+void PosteriorChain::stepMode() {
+  const auto isHere = [&](const ActingSet& mode) {
+    return std::equal(mode.begin(), mode.end(), set_.begin(), set_.end(),
+                      [&](const Acting& a, const Acting& b) { return causeOf(a) == causeOf(b); });
+  };
+  const auto here = std::find_if(modes_.begin(), modes_.end(), isHere);
+  if (modes_.size() < 2 || here == modes_.end()) return;
+  const auto from = static_cast<int>(here - modes_.begin());
+  int other = random_.below(static_cast<int>(modes_.size()) - 1);
+  if (other >= from) ++other;
+  ActingSet to, same;
+  const double there = drawAsMode(modes_[static_cast<std::size_t>(other)], nullptr, to);
+  const double back = drawAsMode(*here, &set_, same);
+  Conditionals look = view().look(to);
+  Rates rates = ratesOf(look, to);
+  const double logRatio =
+      view().logDensity(to) + rates.logSum + back - view().logDensity(set_) - rates_.logSum - there;
+  if (std::log(1.0 - random_.uniform()) < logRatio) moveTo(std::move(to), std::move(look), std::move(rates));
+}
+
 void PosteriorChain::stepTogether() {
   if (static_cast<std::size_t>(noise_) < firstFitted_) return;
   const bool out = random_.uniform() < 0.5;
@@ -291,6 +323,7 @@ void PosteriorChain::run(int steps, std::vector<Visit>* visits) {
   remember();
   for (int step = 0; step < steps; ++step) {
     if (step % kNoiseEvery == 0) stepNoise();
+    if (step % kModeEvery == kModeEvery - 1) stepMode();
     if (step % kPairEvery == kPairEvery - 1) stepPair();
     if (step % kTogetherEvery == kTogetherEvery / 2) stepTogether();
     if (visits != nullptr) {

@@ -31,6 +31,9 @@ class PosteriorChain {
   PosteriorChain(const PosteriorProblem& problem, const NoisePool& pool, std::size_t firstFitted,
                  std::uint64_t seed, int number, int noise = 0, ActingSet set = {});
 
+  /// Sets of great density, no two of the same causes, between which the chain jumps: what explains a session
+  /// as well by other causes is not reached by exchanging one after the other.
+  void setModes(std::vector<ActingSet> modes) { modes_ = std::move(modes); }
   /// Goes on from another state.
   void beginAt(int noise, ActingSet set);
   /// @param visits those of these steps are added; null: they are not kept.
@@ -50,6 +53,10 @@ class PosteriorChain {
   void stepSet();
   /// One that acts for two others, or two for one: neither of the two need be likely alone.
   void stepPair();
+  void stepMode();
+  /// Shapes and sizes of the causes of a mode, drawn one after the other, each beside those drawn and the
+  /// mode's other ones. @param was not null: what was drawn. @return log probability of the draw.
+  double drawAsMode(const ActingSet& mode, const ActingSet* was, ActingSet& drawn);
   /// The noise and one cause drawn together, beside all others: what drift or scatter explains, a cause may
   /// explain instead, and neither can go before the other has come.
   void stepTogether();
@@ -74,6 +81,7 @@ class PosteriorChain {
   ActingSet set_;
   Conditionals look_;
   Rates rates_;
+  std::vector<ActingSet> modes_;
   ActingSet best_;
   double bestDensity_ = -1e300;
   int bestNoise_ = 0;

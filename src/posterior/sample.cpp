@@ -2,13 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "base/parallel.h"
 
 namespace mm {
 namespace {
 
-constexpr double kFarBehind = 7.0;  // nats, 1000 to 1
+constexpr double kFarBehind = 7.0;     // nats, 1000 to 1
+constexpr double kWorthAChain = 20.0;  // nats that a start may be behind: its noise and sizes are not its own
 
 class Sampler {
  public:
@@ -37,6 +39,8 @@ class Sampler {
     }
     advance(options_.warmUp, false);
     leaveWhatIsFarBehind();
+    const std::vector<ActingSet> modes = this->modes(plain);
+    for (PosteriorChain& c : chains_) c.setModes(modes);
     PosteriorSample out;
     for (int round = 0; round < options_.mostRounds; ++round) {
       advance(options_.steps, true);
@@ -83,6 +87,35 @@ class Sampler {
     const double least = densest.bestDensity() - kFarBehind;
     for (PosteriorChain& c : chains_)
       if (c.bestDensity() < least) c.beginAt(noise, set);
+  }
+
+  std::vector<int> causesOf(const ActingSet& set) const {
+    std::vector<int> causes;
+    for (const Acting& a : set) causes.push_back(problem_.shapes[static_cast<std::size_t>(a.shape)].cause);
+    return causes;
+  }
+
+  /// Where the chains are, and where those that began at the other starts would be.
+  std::vector<ActingSet> modes(std::size_t plain) const {
+    const double most = densestChain().bestDensity();
+    std::vector<PosteriorChain> ends = chains_;
+    std::set<std::vector<int>> known;
+    for (const PosteriorChain& c : chains_) known.insert(causesOf(c.best()));
+    for (const PosteriorStart& s : options_.starts) {
+      const std::size_t noise = densest(s.set);
+      if (pool_[noise]->logDensity(s.set) < most - kWorthAChain || !known.insert(causesOf(s.set)).second)
+        continue;
+      ends.emplace_back(problem_, pool_, plain, options_.seed, static_cast<int>(ends.size()),
+                        static_cast<int>(noise), s.set);
+    }
+    const std::size_t own = chains_.size();
+    parallelFor(ends.size() - own, [&](std::size_t c) { ends[own + c].run(options_.warmUp, nullptr); });
+    known.clear();
+    std::vector<ActingSet> modes;
+    for (const PosteriorChain& end : ends)
+      if (end.bestDensity() > most - kFarBehind && known.insert(causesOf(end.best())).second)
+        modes.push_back(end.best());
+    return modes;
   }
 
   void fitBesideWhatWasFound() {

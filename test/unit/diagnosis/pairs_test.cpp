@@ -1,6 +1,7 @@
 // Causes that hide in what a more flexible one imitates, or show only two together; fine waves; jumps.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "diagnosis/diagnose.h"
@@ -71,11 +72,10 @@ bool considered(const Diagnosis& d, const EffectSpec& effect) {
   return false;
 }
 
-// Sideways pre-travel with four lobes imitates the play of two axes nearly as well: both are told in three of
+// Sideways pre-travel with four lobes imitates the play of two axes as well as not: both are told in three of
 // four sessions at least.
 TEST(Pairs, PlayOfTwoAxesIsNotSidewaysPretravelAlone) {
-  MM_THOROUGH_ONLY("four sessions; every day PlayAndScaleOfARegularPlateAreNotOneWave stands for it");
-  const int sessions = 4;
+  const int sessions = mm_test::thoroughTests() ? 4 : 1;
   int told = 0;  // beside them the scatter of the balls may decide, in one of four sessions at the most
   for (int seed = 1; seed <= sessions; ++seed) {
     const Diagnosis d =
@@ -83,7 +83,7 @@ TEST(Pairs, PlayOfTwoAxesIsNotSidewaysPretravelAlone) {
     told += considered(d, EffectSpec("backlash").set("axis", "x")) &&
             considered(d, EffectSpec("backlash").set("axis", "y"));
   }
-  EXPECT_GE(told, sessions - 1);
+  EXPECT_GE(told, std::max(1, sessions - 1));
 }
 
 TEST(Pairs, PlayAndScaleOfARegularPlateAreNotOneWave) {

@@ -97,12 +97,14 @@ TEST(NoiseView, ACauseWhoseEvidenceIsNoNumberEndsTheSample) {
 }
 
 TEST(PosteriorChain, ItsSamplesAreThoseOfThePosterior) {
+  const std::vector<ActingSet> modes = {{{0, 3}}, {{2, 5}}, {{0, 4}, {3, 6}}};
   for (const unsigned seed : {1u, 2u, 5u, 8u}) {
     const SmallProblem small(seed, 0.35);
     const NoisePool pool = {std::make_shared<NoiseView>(small.problem, small.plain()),
                             std::make_shared<NoiseView>(small.problem, small.walking())};
     const Exact exact = exactOf(small.problem, pool);
     PosteriorChain chain(small.problem, pool, 0, 1, 0);
+    if (seed > 2) chain.setModes(modes);
     std::vector<Visit> visits;
     chain.run(20000, &visits);
     double sum = 0.0, walking = 0.0;
@@ -120,6 +122,40 @@ TEST(PosteriorChain, ItsSamplesAreThoseOfThePosterior) {
       EXPECT_NEAR(visited[c] / sum, exact.inclusion[c], 0.03) << seed << " " << c;  // without Rao-Blackwell
     }
   }
+}
+
+// Two backlashes and two harmonics of a probe's lobing do the same together, and no one of one pair does what
+// one of the other does: between them lies nothing that is likely.
+TEST(PosteriorChain, JumpsBetweenSetsThatDoTheSameTogether) {
+  SmallProblem small(2);
+  PosteriorProblem& problem = small.problem;
+  problem.columns.col(3) = problem.columns.col(0) + problem.columns.col(1) - problem.columns.col(2);
+  problem.rows.target += 12.0 * (problem.columns.col(0) + problem.columns.col(1));
+  problem.shapes.clear();
+  problem.causes.clear();
+  for (int c = 0; c < 4; ++c) {
+    CauseShape shape;
+    shape.cause = shape.first = c;
+    shape.count = 1;
+    shape.logPrior = Sizes::Constant(-std::log(double(kSizes)) - (c < 2 ? 0.3 : 0.0));
+    problem.shapes.push_back(shape);
+    problem.causes.push_back({-12.0, c, c + 1});
+  }
+  const NoisePool pool = {std::make_shared<NoiseView>(problem, small.plain())};
+  const Exact exact = exactOf(problem, pool);
+  ASSERT_GT(std::min(exact.inclusion[0], exact.inclusion[2]), 0.1) << "both pairs are likely";
+  const ActingSet one = {{0, 9}, {1, 9}}, other = {{2, 9}, {3, 9}};
+  PosteriorChain chain(problem, pool, 0, 1, 0, 0, one);
+  chain.setModes({one, other});
+  std::vector<Visit> visits;
+  chain.run(2000, &visits);
+  double sum = 0.0;
+  std::vector<double> inclusion(4, 0.0);
+  for (const Visit& v : visits) {
+    sum += std::exp(v.logWeight);
+    for (int c = 0; c < 4; ++c) inclusion[c] += std::exp(v.logWeight) * v.inclusion[c];
+  }
+  for (int c = 0; c < 4; ++c) EXPECT_NEAR(inclusion[c] / sum, exact.inclusion[c], 0.03) << c;
 }
 
 // A guideway that pitches turns about a place of its own: the squareness beside it is no second cause, unless
