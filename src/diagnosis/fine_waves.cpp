@@ -52,11 +52,11 @@ LikelyWaves likelyWaves(const ResidualSpace& space, const Effect& effect) {
   if (waves.lengths.empty()) return out;
   const Domain& domain = space.problem().model().domain();
   const double range = domain.upper[waves.joint] - domain.lower[waves.joint];
-  // Few places are met by many waves. At unequal distances, which ISO 230-2 asks for, enough of them tell a
-  // screw of short lead: what two constants and a period explain of so many by chance is paid for.
+  // Few places are met by many waves. Enough of them tell a screw of short lead, as far as their distances
+  // do (Nyquist: aliases are not among the lengths): what two constants and a period explain of so many by
+  // chance is paid for.
   const int places = distinctPositions(space.problem(), waves.joint);
-  const bool unequal = places >= kManyPlaces && !(domain.spacingOf(waves.joint) > 0.0);
-  const double shortest = unequal ? 0.0 : 2.0 * range / std::max(1, places);
+  const double shortest = places >= kManyPlaces ? 0.0 : 2.0 * range / std::max(1, places);
   const ErrorOfJoint error(space, effect, waves);
   const Eigen::ArrayXd target = space.target().head(space.rows()).array();
   std::vector<double> power;

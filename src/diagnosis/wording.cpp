@@ -160,13 +160,15 @@ std::string remarks(const Diagnosis& d) {
   return text + assumptions(d);
 }
 
-/// "up to 1.41 ± 0.20 um (k = 2) at x = -16 mm"
+/// "up to 1.41 ± 0.20 um (k = 2) at x = -16 mm", where the curve is largest for sure: at its ends it may be
+/// large and not known.
 std::string peakOf(const Diagnosis& d, const ProfileResult& p) {
   const std::size_t n = p.variables.size();
   const std::vector<double>* peak = nullptr;
+  const auto atLeast = [n](const std::vector<double>& at) { return std::abs(at[n]) - 2.0 * at[n + 1]; };
   for (const std::vector<double>& point : p.curve)
     if (point.size() == n + 2 && std::isfinite(point[n]) &&
-        (peak == nullptr || std::abs(point[n]) > std::abs((*peak)[n])))
+        (peak == nullptr || atLeast(point) > atLeast(*peak)))
       peak = &point;
   if (peak == nullptr) return {};
   std::string text = "up to " +

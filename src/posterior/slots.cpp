@@ -29,6 +29,19 @@ double noneOf(const std::vector<int>& causes, const Visit& visit) {
   return sum / static_cast<double>(causes.size());
 }
 
+/// Probability that none of a slot acts where a cause does. What is sure beside one that is told is told with
+/// it: two that explain a session together, or one in their place.
+double noneBeside(int cause, const std::vector<double>& none, const PosteriorSample& sample) {
+  double acts = 0.0, noneActs = 0.0;
+  for (std::size_t i = 0; i < none.size(); ++i) {
+    const std::vector<int>& acting = sample.visits[i].acting;
+    if (std::find(acting.begin(), acting.end(), cause) == acting.end()) continue;
+    acts += sample.weights[i];
+    noneActs += none[i];
+  }
+  return acts > 0.0 ? noneActs / acts : 1.0;
+}
+
 }  // namespace
 
 std::vector<Slot> slotsOf(const PosteriorSample& sample) {
@@ -68,7 +81,9 @@ std::vector<Slot> slotsOf(const PosteriorSample& sample) {
       weigh();
     }
     slot.probability = 1.0 - left();
-    slot.named = slot.probability >= kNamed;
+    slot.named = slot.probability >= kNamed || std::any_of(slots.begin(), slots.end(), [&](const Slot& told) {
+                   return told.named && noneBeside(told.causes.front(), none, sample) < 1.0 - kNamed;
+                 });
     for (const int c : slot.causes) used[c] = slot.named ? 1 : used[c];
     used[leader] = 1;
     std::vector<int> told;

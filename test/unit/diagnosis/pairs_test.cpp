@@ -72,8 +72,8 @@ bool considered(const Diagnosis& d, const EffectSpec& effect) {
   return false;
 }
 
-// Sideways pre-travel with four lobes imitates the play of two axes as well as not: both are told in three of
-// four sessions at least.
+// Sideways pre-travel with four lobes imitates the backlash of two axes: in three of four sessions at least
+// both are told.
 TEST(Pairs, PlayOfTwoAxesIsNotSidewaysPretravelAlone) {
   const int sessions = mm_test::thoroughTests() ? 4 : 1;
   int told = 0;  // beside them the scatter of the balls may decide, in one of four sessions at the most

@@ -56,6 +56,18 @@ TEST(Slots, TwoThatActTogetherHaveAPlaceEach) {
   EXPECT_TRUE(slots[0].named && slots[1].named);
 }
 
+TEST(Slots, WhatIsSureBesideOneThatIsNamedIsNamedWithItsOwnProbability) {
+  const std::vector<Slot> slots = slotsOf(
+      sampleOf({{1.0, 1.0, 0.0, 0.0}, {1.0, 1.0, 0.0, 0.0}, {1.0, 1.0, 0.0, 0.9}, {0.0, 0.0, 1.0, 0.0}}));
+  ASSERT_EQ(slots.size(), 3u);
+  EXPECT_TRUE(slots[0].named);
+  EXPECT_EQ(slots[0].causes, (std::vector<int>{0, 2}));
+  EXPECT_TRUE(slots[1].named);
+  EXPECT_EQ(slots[1].causes, std::vector<int>{1});
+  EXPECT_NEAR(slots[1].shares[0], 0.75, 1e-12);
+  EXPECT_FALSE(slots[2].named);
+}
+
 TEST(Slots, WhatActsBesideTheLeaderAsOftenAsWithoutItIsNoRival) {
   const std::vector<Slot> slots =
       slotsOf(sampleOf({{1.0, 1.0}, {1.0, 1.0}, {1.0, 1.0}, {1.0, 0.0}, {0.0, 1.0}, {0.0, 1.0}}));
