@@ -275,7 +275,7 @@ function rotations() {
 function lengths() {
   if (!data.lengths.length) return;
   for (const t of data.lengths) t.name = signed(t.name);
-  section("lengths", "Length measuring errors by ISO 10360-2", lead("E: error of a length, indicated minus actual, its faces reached from opposite sides."),
+  section("lengths", "Length measurement errors by ISO 10360-2", lead("E: error of a length, indicated minus actual, its faces reached from opposite sides."),
     pair((key, name) => lengthsFigure(data.lengths, key === "measured" ? "E_um" : key, name).node, "left_um"),
     table("Largest amount of E of each line", [["Line"], ["lengths", "n"], ["errors", "n"], ...measuredAndLeft([], "µm")], data.lengths.map((t) => [t.name, String(t.lengths), String(t.E_um.length), ...leftToo(num(t.largest_um), num(t.largest_left_um))])));
 }
@@ -438,7 +438,7 @@ function legend() {
   const terms = [["RMS", "root mean square of the scalar residuals: one per contact on a ball, one per measured component of a reference."],
     ["Held-out RMS", "the same, of measurements that the fit did not use: blocks of time are left out in turn, the parameters are refitted to the others, and no drift is predicted, as for a corrected machine. Fitting noise does not reduce it. Everywhere on this page, of mm diagnose and in the ledger of mm add, it is this figure."],
     ["χ²/ν", "squared residuals over the noise, per degree of freedom: 1 when only noise is left; meaningless where the noise was estimated from the residuals."],
-    ["Odds", "that the effect acts, against its rivals and chance; “30 to 1” is a probability of 97 %."],
+    ["Odds", "that the effect acts, against its rivals and chance; “20 to 1” is a probability of 95 %."],
     ["Repeatability", "standard deviation of one measurement repeated; noise found: the part of the residuals that is unrelated to any variable."],
     ["p", "probability of so large a share by chance, corrected for the number of variables."],
     ["±", "the expanded uncertainty, k = 2, everywhere on this page: of a parameter from the covariance of the fit; of an RMS, a share or a size as for independent normal residuals, so more where what is left has structure. Largest values and readings are as observed."]];

@@ -106,7 +106,7 @@ std::string missingSentence(const Diagnosis& d) {
   const std::string heldOut = heldOutWords(d);
   std::string text = sure.empty() ? "" : "Missing: " + sure;
   if (open.empty()) return text + (heldOut.empty() ? "" : "; " + heldOut) + "." + noBetterWords(d);
-  if (!sure.empty()) text += ". Beside it ";
+  if (!sure.empty()) text += ". In addition ";
   text += (sure.empty() ? capitalized(open) : open) + ": these data do not separate them";
   text += listedMovesWords(d);
   return text + (heldOut.empty() ? "" : ". " + capitalized(heldOut)) + "." + noBetterWords(d);
@@ -195,7 +195,7 @@ std::string unknownSentence(const Diagnosis& d) {
   // what has a name comes first where it does more
   const bool namedFirst =
       !d.missing.empty() && (d.profiles.empty() || d.missing.front().gain > d.profiles.front().gain);
-  if (namedFirst) text = "Missing: " + foundAll(d) + " Beside it ";
+  if (namedFirst) text = "Missing: " + foundAll(d) + " In addition ";
   for (std::size_t i = 0; i < d.profiles.size(); ++i) {
     const ProfileResult& p = d.profiles[i];
     if (i == 0)

@@ -17,7 +17,7 @@ std::string listInWords(const std::vector<EffectSpec>& effects, std::size_t show
 /// The types of words.yaml, in its order, which is that of the catalogue.
 std::vector<std::string> typesInWords();
 
-/// What a parameter of an effect is: "difference between the two directions of travel (reversal value)";
+/// What a parameter of an effect is: "radius of the ball minus that of the artifact file";
 /// empty: words.yaml does not say, as of a plugin's.
 std::string meaningOf(const EffectSpec& effect, const std::string& parameter);
 

@@ -79,11 +79,9 @@ constexpr double kPlace =
 /// there is a displacement of the same degree in the directions across `about`.
 std::vector<ShapeFreedom> besideAngle(const SpecReader& read, const std::string& axis, int about, int degree,
                                       int highest) {
-  constexpr double kAcross =
-      0.7;  // cosine between a direction and an axis: with a larger one it is not across
   std::vector<ShapeFreedom> all = otherValues(read.canonical(), "degree", degree, 1, highest, 1);
   for (const Joint& joint : read.domain().joints) {
-    if (joint.kind != JointKind::kLinear || std::abs(joint.axis[about]) > kAcross) continue;
+    if (!isAcross(joint, about)) continue;
     const bool own = joint.name == axis;
     EffectSpec shift(degree > 1 ? (own ? "positioning_polynomial" : "straightness")
                                 : (own ? "scale" : "squareness"));

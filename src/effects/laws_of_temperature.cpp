@@ -9,6 +9,10 @@
 namespace mm {
 namespace {
 
+/// The zero of a sensor on a part is off by some tenths of a kelvin, and a session sees one or two: of what
+/// a temperature does, so much is there at all times.
+constexpr double kZeroOfSensor = 0.2;
+
 Law thermalExpansion(SpecReader& read) {
   const int axis = read.joint("axis"), sensor = read.sensor("sensor");
   const JointKind kind = read.jointAt(axis).kind;
@@ -18,6 +22,7 @@ Law thermalExpansion(SpecReader& read) {
                       return s.position[axis] * (s.temperature[sensor] - kReferenceTemperature);
                     });
   law.nature.variesAlong = law.nature.mustMove = {axis};  // no bed warms evenly along its length
+  law.freedom = {{EffectSpec("scale").set("axis", read.jointAt(axis).name), kZeroOfSensor}};
   return law;
 }
 
@@ -69,6 +74,11 @@ Law thermalBending(SpecReader& read) {
                                                                    ErrorSink& sink) {
     addTilt(layout, about, s, 0, p[0], s.temperature[a] - s.temperature[b], sink);
   };
+  for (const Joint& one : read.domain().joints)
+    for (const Joint& of : read.domain().joints)
+      if (one.name != of.name && isAcross(one, about) && isAcross(of, about))
+        law.freedom.push_back(
+            {EffectSpec("squareness").set("axis", one.name).set("of", of.name), kZeroOfSensor});
   return law;
 }
 

@@ -1,12 +1,21 @@
 #pragma once
+#include <cmath>
 #include <string>
 
 #include "effects/effect.h"
+#include "machine/machine.h"
 
 namespace mm {
 
 /// "x", "y" or "z".
 inline std::string axisName(int k) { return std::string(1, static_cast<char>('x' + k)); }
+
+/// Whether a linear joint runs across axis k of the workpiece: it takes up the displacements of a turn about
+/// it.
+inline bool isAcross(const Joint& joint, int k) {
+  constexpr double kAcross = 0.7;  // cosine between the two: of a larger one it runs along
+  return joint.kind == JointKind::kLinear && !(std::abs(joint.axis[k]) > kAcross);
+}
 
 /// Adds a small rotation `angle = value * basis` about axis k of the workpiece, through its origin: the
 /// displacement angle * (k x lever) and the turn of the probe.

@@ -148,7 +148,7 @@ void subtractReference(LineTable& table, double reference) {
 }
 
 /// Each state twice, the second time with everything but the positions mirrored: a curve over positions then
-/// never passes for a reversal or for growth by heat.
+/// never passes for a reversal or for thermal growth.
 std::vector<State> mirrored(const NeededCorrection& needed, int count) {
   const Domain& d = needed.model().domain();
   std::vector<State> states = needed.states(count, kStraightSeed);

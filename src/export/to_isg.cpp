@@ -241,7 +241,7 @@ void describeIsg(Exported& out) {
       "Where positions act together along a direction, one of its tables stands in the grid, and has the "
       "grid's "
       "points only: 16 to 31 an axis.",
-      "No column tells the direction of travel or a temperature: reversals and growth by heat are left."};
+      "No column tells the direction of travel or a temperature: reversals and thermal growth are left."};
 }
 
 }  // namespace

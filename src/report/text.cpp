@@ -132,7 +132,7 @@ std::string noiseText(const CalibrationResult& r) {
   }
   for (const Drift& d : r.drift)
     text +=
-        "  In time        residuals follow their neighbours, by drift or by an effect that the model lacks, "
+        "  In time        residuals are autocorrelated, by drift or by an effect that the model lacks, "
         "of this axis or another; the uncertainties allow for a drift " +
         driftText(r.problem->model().domain(), {d.direction, d.std, d.timeConstant, d.smooth}) + "\n";
   return text;

@@ -372,8 +372,8 @@ void addCertificateCommand(CLI::App& app, int& exitStatus) {
   c->files.declare(*command);
   declareNamespace(*command, c->fit.space);
   command->footer(
-      "The last line of a PDF or HTML file is the SHA-256 of everything before it; an XML file is\n"
-      "protected by its signature. Conformity is stated only where the uncertainty of the artifact is.\n"
+      "The last line of a PDF or HTML file is the SHA-256 of everything before it; a signed XML\n"
+      "file by its signature. Conformity is stated only if the uncertainty of the artifact is.\n"
       "It is a record of calibration where laboratory, serial number, customer, operator, traceability or\n"
       "date of measurement is not known.\n"
       "Examples:\n"

@@ -33,7 +33,7 @@ void addCompareCommand(CLI::App& app, int& /*exitStatus*/) {
   auto c = std::make_shared<SessionAndCalibration>();
   CLI::App* command =
       app.add_subcommand("compare", "Compare a calibration with a session and show where it fails");
-  c->declare(*command, "the session");
+  c->declare(*command, "the session, or several to evaluate together");
   c->fit.declare(*command, false);
   command->footer(
       "The parameters of the calibration are held; only those of the session (pose of the artifact, free "

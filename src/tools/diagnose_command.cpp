@@ -50,7 +50,7 @@ void runDiagnose(DiagnoseCommand& c) {
 void addDiagnoseCommand(CLI::App& app, int& /*exitStatus*/) {
   auto c = std::make_shared<DiagnoseCommand>();
   CLI::App* command = app.add_subcommand("diagnose", "Find the physical effect that the model lacks");
-  c->declare(*command, "the session");
+  c->declare(*command, "the session, or several to evaluate together");
   command->add_option("--moves", c->moves,
                       "write the proposed moves as a plan for mm simulate and the node measure");
   c->files.declare(*command);

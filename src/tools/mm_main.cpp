@@ -29,11 +29,11 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", std::string("mm ") + mm::kVersion);
   app.require_subcommand(1);
   app.get_formatter()->column_width(34);
+  int exitStatus = mm::kDone;
+  mm::addCommands(app, exitStatus);  // before the footer, which they would have, too
   app.footer(
       "Make a session:  mm import contacts.csv --artifact artifact.yaml --machine three_axis -o session.bag\n"
       "Help on a command: mm import --help\n" +
       std::string(mm::kExitStatusHelp));
-  int exitStatus = mm::kDone;
-  mm::addCommands(app, exitStatus);
   return mm::runProgram(app, exitStatus, argc, argv);
 }

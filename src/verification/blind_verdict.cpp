@@ -228,7 +228,7 @@ std::string wrongSign(const Evidence& e, const OpenedTrial& t, const std::string
   if (e.reversed.empty() || e.reversed.size() == t.axes.size())
     return "it has the wrong sign: " + figures + "; load the table with the other sign";
   const std::string axes = listOf(e.reversed);
-  return "it has the wrong sign of " + axes + ": " + figures + "; load what corrects " + axes +
+  return "the sign is wrong for " + axes + ": " + figures + "; load what corrects " + axes +
          " with the other sign, unless mm verify --loaded says that tables are exchanged";
 }
 

@@ -131,7 +131,7 @@ std::string moreLeftInWords(const Verification& v) {
   const double unit = v.angular ? kArcsecond : kMicrometre;
   return format(
       "; but %.3g %s remain, while the calibration left %.3g in its own session (held out): the machine may "
-      "have changed, or measures less well than then; mm diagnose shows what is new",
+      "have changed, or be less repeatable; mm diagnose shows what is new",
       v.unforeseen / unit, v.angular ? "arcsec" : "um", v.calibratedRms / unit);
 }
 
@@ -140,11 +140,8 @@ std::string headOf(const Verification& v, const std::vector<std::string>& names)
   if (v.verdict == VerifyVerdict::kHelped) return helpedInWords(v, figures);
   if (v.verdict == VerifyVerdict::kNoChange) return noChangeInWords(v, figures);
   std::string text = causeInWords(v, names);
-  constexpr double kTwice = 1.7;  // times, that people call twice
   if (v.verdict == VerifyVerdict::kWorse)
-    text += !v.loaded                             ? ", applying it makes it worse"
-            : v.after.rms > kTwice * v.before.rms ? ", it got twice as bad"
-                                                  : ", it got worse";
+    text += v.loaded ? ", the errors rose" : ", applying it makes it worse";
   else if (v.finding == "corrected" || v.finding == "too_small")
     text += ", but the machine has drifted since";
   else if (v.better)

@@ -35,6 +35,15 @@ else
   echo "no page: the package was built without Plotly"
 fi
 
+step "the demo, nothing built"
+apt-get install -y -qq --no-install-recommends git >/tmp/git.log 2>&1 || fail "apt-get install git: $(tail -n 1 /tmp/git.log)"
+git config --global --add safe.directory "$here"
+shown=$SECONDS
+(cd "$here" && scripts/demo 7) >demo.txt || { tail -n 20 demo.txt; fail "scripts/demo"; }
+grep -q '^demo: uses the installed package of this commit' demo.txt || fail "scripts/demo did not use the package"
+echo "first picture after $((SECONDS - shown)) s"
+tail -n 2 demo.txt
+
 step "what an installed program has"
 [[ -e /usr/share/man/man1/mm-diagnose.1 || -e /usr/share/man/man1/mm-diagnose.1.gz ]] || fail "no manual page"
 [[ -e /usr/share/bash-completion/completions/mm ]] || fail "no completion"

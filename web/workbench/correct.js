@@ -62,7 +62,7 @@ export function CorrectView() {
       h(Action, { label: "Roll back", confirm: "Make active what was before", disabled: !field.active, run: () => act("rollback") }),
       h(Action, { label: "Verify on this session", disabled: !field.active, title: "holds the active calibration against the session that is open: fresh points, measured after it", run: () => act("verify") })),
     verified ? h("div", { class: "card", role: "status" }, h("h3", null, { helped: "It helped", no_change: "No change", worse: "It is worse", mixed: "Mixed" }[verified.verdict] || verified.verdict), h("p", null, said(verified.in_words))) : null,
-    !c.kept ? h("p", { class: "note" }, "What is in hand was fitted on opening and is not kept; add an effect, or calibrate, and it can be promoted.") : same ? h("p", { class: "note" }, "What is in hand is active.") : null,
+    !c.kept ? h("p", { class: "note" }, "This calibration was fitted on opening and is not saved; add an effect or calibrate, then promote it.") : same ? h("p", { class: "note" }, "What is in hand is active.") : null,
     h(Section, { title: "The correction in the volume" }, fields.length ? h(Space, { urdf: session && session.urdf, joints: session ? session.joints : [], readings: live ? live.readings : null, points: drawn.points, lines: drawn.lines, label: "Correction vectors on a grid over the calibrated volume",
       note: (same ? "Blue: active, and in hand." : "Blue: active. Orange: in hand.") + " Vectors are drawn " + drawnLonger(drawn.times) + "."}) : h(Empty, null, "The correction is zero, or cannot be told without a state: ", (field.candidate && said(field.candidate.reason)) || "a model without effects corrects nothing.")),
     h(Export),

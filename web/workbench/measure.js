@@ -45,5 +45,5 @@ export function MeasureView() {
       h("label", { class: "choice column", for: "plan" }, h("span", null, proposed ? "The moves that the diagnosis proposes, or another plan" : "A plan as YAML (mm plan new makes one)"), h("textarea", { id: "plan", rows: 10, maxlength: 60000, spellcheck: false, value: plan, onInput: (e) => setTyped(e.target.value) })),
       h(PlanPicture, { text: plan, live })),
     h(Section, { title: "What to measure next", action: moves ? h("a", { class: "button", href: downloadAddress("moves"), download: "moves.yaml" }, "Keep the plan") : null }, h(Moves)),
-    h(Section, { title: "Recalibrate", lead: "The effects in hand, found again from the session that is open." }, h(Action, { label: "Recalibrate", run: () => act("calibrate", { method: "least_squares" }) })));
+    h(Section, { title: "Recalibrate", lead: "Refits the current effects to the open session." }, h(Action, { label: "Recalibrate", run: () => act("calibrate", { method: "least_squares" }) })));
 }

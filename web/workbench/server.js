@@ -129,7 +129,7 @@ function take(message) {
   for (const [number, wait] of ends)
     if (number <= news.asked && !news.pending.includes(number)) {
       ends.delete(number);
-      wait({ ok: false, message: "how it ended was not heard here; the log on the view History tells it" });
+      wait({ ok: false, message: "the result was not received; see the log in the view History" });
     }
   for (const name of documents.keys()) look(name);
   changed();

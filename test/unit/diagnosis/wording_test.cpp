@@ -223,7 +223,7 @@ TEST(Sentence, ConfusableBesideWhatIsSure) {
   heat.confusableWith = {rival(growth("y"), 0.3, "measure at another temperature")};
   d.missing = {play(), heat};
   EXPECT_EQ(
-      sentenceOf(d).find("Missing: backlash of x, 2.06 ± 0.06 um (k = 2), odds about 1000 to 1. Beside it "
+      sentenceOf(d).find("Missing: backlash of x, 2.06 ± 0.06 um (k = 2), odds about 1000 to 1. In addition "
                          "either thermal growth along z with bed"),
       0u);
 }
@@ -273,7 +273,7 @@ TEST(Sentence, AnUnknownEffectIsACurveAndAFormulaOnlyWhereThereIsOne) {
   EXPECT_NE(sentenceOf(d).find("Found on the way: backlash of x, 2.06"), std::string::npos);
   d.missing[0].gain = d.profiles[0].gain + 1.0;  // what does more comes first
   EXPECT_EQ(sentenceOf(d).find("Missing: backlash of x, 2.06"), 0u);
-  EXPECT_NE(sentenceOf(d).find(". Beside it an error along z that depends on x"), std::string::npos);
+  EXPECT_NE(sentenceOf(d).find(". In addition an error along z that depends on x"), std::string::npos);
 }
 
 TEST(Sentence, UnknownWithoutACurveSaysOnWhatItDepends) {

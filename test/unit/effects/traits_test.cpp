@@ -51,7 +51,9 @@ TEST_P(Traits, freedomsAreOtherLinearShapesInCanonicalForm) {
       const Inputs a = inputsOf(*effect, domain()), b = inputsOf(*other, domain());
       EXPECT_TRUE(
           std::includes(a.positions.begin(), a.positions.end(), b.positions.begin(), b.positions.end()));
-      EXPECT_EQ(a.temperatures, b.temperatures);
+      if (!b.temperatures.empty()) {  // else the zero of a sensor
+        EXPECT_EQ(a.temperatures, b.temperatures);
+      }
       EXPECT_EQ(a.time, b.time);
       EXPECT_EQ(a.approach, b.approach);
     }

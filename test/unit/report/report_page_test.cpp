@@ -223,7 +223,7 @@ TEST_F(ReportPage, ParametersSayWhatTheyAre) {
   const ReportContents report = contents(session, "s.bag", {EffectSpec("backlash").set("axis", "x")});
   const nlohmann::json data = nlohmann::json::parse(reportJson(report));
   EXPECT_EQ(data["parameters"][0]["values"][0]["meaning"],
-            "difference between the two directions of travel (reversal value)");
+            "difference between the two directions of travel (mean reversal error with the opposite sign)");
   EXPECT_EQ(data["weak"], nlohmann::json::array());  // as mm calibrate says
 }
 

@@ -326,7 +326,7 @@ TEST(Text, ACalibrationAssertsNoDrift) {
   drift.timeConstant = 3.0;
   result.drift = {drift};
   const std::string text = calibrateText(result);
-  EXPECT_NE(text.find("residuals follow their neighbours, by drift or by an effect that the model lacks"),
+  EXPECT_NE(text.find("residuals are autocorrelated, by drift or by an effect that the model lacks"),
             std::string::npos)
       << text;
   EXPECT_NE(text.find("a drift along x: standard deviation 0.5 um, time constant 3 s\n"), std::string::npos)

@@ -352,7 +352,7 @@ TEST(BlindTrial, theSimulatedControllerIsSwitchedByTheKey) {
   const TrialBlocks twoWrong = measured(toTheOtherSide(controller.table, 2));  // y and z
   const OpenedTrial wrong = opened(compareStates(twoWrong.blocks), trial.key.on, false);
   EXPECT_EQ(wrong.verdict, TrialVerdict::kWrongSign) << wrong.inWords;
-  EXPECT_NE(wrong.inWords.find("the wrong sign of y, z"), std::string::npos) << wrong.inWords;
+  EXPECT_NE(wrong.inWords.find("the sign is wrong for y, z"), std::string::npos) << wrong.inWords;
 
   std::string swapped = withExchangedColumns(controller.table, "correction_x_um", "correction_y_um");
   swapped = withExchangedColumns(withExchangedColumns(swapped, "x_mm", "y_mm"), "x_travel", "y_travel");

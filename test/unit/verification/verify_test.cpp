@@ -30,7 +30,7 @@ TEST(Verify, saysRightlyWhatWasLoadedHow) {
     const Verification none = judged(2, {}, loadedErrors(), true);
     notLoaded.add(seed, none, {VerifyVerdict::kNoChange}, "not_corrected", false);
     wrongSign.add(seed, judged(3, toTheOtherSide(table, 3), loadedErrors(), true), {VerifyVerdict::kWorse},
-                  "wrong_sign", false, "twice as bad");
+                  "wrong_sign", false, "the errors rose");
     std::string swapped = withExchangedColumns(table, "correction_x_um", "correction_y_um");
     swapped = withExchangedColumns(withExchangedColumns(swapped, "x_mm", "y_mm"), "x_travel", "y_travel");
     const Verification tables = judged(4, swapped, loadedErrors(), true);
