@@ -175,8 +175,8 @@ function left() {
   const perhaps = (d) => d.perhaps.map((o) => el("div", {}, withSymbol(o) + ", odds " + o.odds_in_words + (known(o.share) ? "; it would explain " + percent(o.share) + " of the drift" : "")));
   section("left", "Drift and scatter", diagnosis.drift.map((d) => el("div", { class: "card" }, el("h3", {}, "Drift " + (d.direction === "approach" ? "along the approach" : "of " + d.direction)), el("dl", {},
     entry("Size", size(d) + " RMS"), entry("Time constant", known(d.time_constant_s) && d.time_constant_s > 0 ? duration(d.time_constant_s) : ""), entry("Perhaps", ...perhaps(d)), entry("To do", said(d.to_do))))),
-    diagnosis.artifact_scatter.length ? el("div", { class: "card" }, el("h3", {}, "Scatter of the artifact"), el("dl", {},
-      diagnosis.artifact_scatter.map((a) => entry(a.what, withUnit(num(a.std_um), "um") + " RMS" + (a.in_words ? ": " + said(a.in_words) : ""))))) : null);
+    diagnosis.artifact_scatter.length ? el("div", { class: "card" }, el("h3", {}, "Scatter of places"), el("dl", {},
+      diagnosis.artifact_scatter.map((a) => entry(a.what, size(a) + " RMS" + (a.in_words ? ": " + said(a.in_words) : ""))))) : null);
 }
 
 /** A share of variance, ± the standard error of R². */

@@ -1,5 +1,6 @@
 // What is told of the artifact: how its balls scatter, and where it lies as a whole.
 #include <Eigen/Dense>
+#include <cmath>
 
 #include "base/units.h"
 #include "diagnosis/answers.h"
@@ -8,10 +9,14 @@
 namespace mm {
 namespace {
 
-/// Where the artifact lies as a whole, beside a place that is stated as known. @param block of the datum.
-void fillDatum(const Search& search, const Explanation& found, std::size_t block, double unit,
-               Diagnosis& out) {
-  constexpr double kClearly = 4.0;  // standard uncertainties
+/// What a block was in this session, of the noise of 1: expected values of its columns and their covariance.
+struct BlockFit {
+  Eigen::VectorXd values;
+  Eigen::MatrixXd covariance;
+};
+
+/// @param ratio of the block, as it was found.
+BlockFit fitOf(const Search& search, const Explanation& found, std::size_t block, double ratio) {
   const Questions& q = search.questions();
   const Evidence::Fit fit = search.evidenceAt(found)->fit(found.members);
   Eigen::VectorXd left = q.rows.target;
@@ -19,10 +24,20 @@ void fillDatum(const Search& search, const Explanation& found, std::size_t block
   Eigen::MatrixXd columns = q.scatter[block].columns;
   q.space->project(columns);
   Eigen::MatrixXd products = columns.transpose() * columns;
-  products.diagonal().array() += 1.0 / (q.scatter[block].ratio * q.scatter[block].ratio);
-  const Eigen::MatrixXd covariance = products.inverse();
-  const Eigen::VectorXd shift = covariance * (columns.transpose() * left);
-  const Eigen::VectorXd std = found.white * covariance.diagonal().cwiseSqrt();
+  products.diagonal().array() += 1.0 / (ratio * ratio);
+  BlockFit out;
+  out.covariance = products.inverse();
+  out.values = out.covariance * (columns.transpose() * left);
+  return out;
+}
+
+/// Where the artifact lies as a whole, beside a place that is stated as known. @param block of the datum.
+void fillDatum(const Search& search, const Explanation& found, std::size_t block, double unit,
+               Diagnosis& out) {
+  constexpr double kClearly = 4.0;  // standard uncertainties
+  const BlockFit fit = fitOf(search, found, block, search.questions().scatter[block].ratio);
+  const Eigen::VectorXd& shift = fit.values;
+  const Eigen::VectorXd std = found.white * fit.covariance.diagonal().cwiseSqrt();
   if (!((shift.array().abs() > kClearly * std.array()).any())) return;
   ArtifactScatter s;
   s.what = kDatum;
@@ -36,7 +51,40 @@ void fillDatum(const Search& search, const Explanation& found, std::size_t block
   out.artifactScatter.push_back(std::move(s));
 }
 
+/// "-4.7 um at 212 mm": the position that differs most.
+std::string largestOf(const Search& search, const Explanation& found, std::size_t block, const Joint& joint,
+                      int number, double unit) {
+  const Questions& q = search.questions();
+  const Eigen::VectorXd values = fitOf(search, found, block, found.scatter[block]).values;
+  Eigen::Index most = 0, row = 0;
+  values.cwiseAbs().maxCoeff(&most);
+  q.scatter[block].columns.col(most).head(q.space->rows()).cwiseAbs().maxCoeff(&row);
+  const Problem& problem = q.space->problem();
+  const int o = problem.rows()[q.space->used()[static_cast<std::size_t>(row)]].observation;
+  const bool linear = joint.kind == JointKind::kLinear;
+  return errorInWords(values[most] * unit, !linear) + " at " +
+         shortNumber(problem.state(o).position[number] / (linear ? kMillimetre : kDegree)) +
+         (linear ? " mm" : " deg");
+}
+
+/// What is not there at 100 to 1 is not spoken of.
+bool isSaid(const Search& search, const Explanation& found, std::size_t block) {
+  const double said = std::log(100.0);
+  Explanation without = found;
+  without.scatter[block] = 0.0;
+  const auto evidenceOf = [&](const Explanation& at) {
+    return search.evidenceAt(at)->given(at.members).logEvidence;
+  };
+  return evidenceOf(found) - evidenceOf(without) > said;
+}
+
 }  // namespace
+
+bool isOfPositions(const ArtifactScatter& scatter) { return scatter.what.rfind(kPositionsOf, 0) == 0; }
+
+std::string jointOfPositions(const ArtifactScatter& scatter) {
+  return scatter.what.substr(std::string(kPositionsOf).size());
+}
 
 void fillScatter(const Search& search, const Explanation& found, double unit, Diagnosis& out) {
   const Questions& q = search.questions();
@@ -49,6 +97,17 @@ void fillScatter(const Search& search, const Explanation& found, double unit, Di
     ArtifactScatter s;
     s.what = q.scatterNames[b];
     s.std = found.scatter[b] * found.white * unit;
+    if (isOfPositions(s)) {
+      if (isSaid(search, found, b)) {
+        const Domain& domain = q.space->problem().model().domain();
+        const int joint = domain.findJoint(jointOfPositions(s));
+        s.where = largestOf(search, found, b, domain.joints[static_cast<std::size_t>(joint)], joint, unit);
+        s.inWords = "the error of " + jointOfPositions(s) + " differs from position to position, most by " +
+                    s.where + ", the same in each run: " + kErrorsOfPositions;
+        out.artifactScatter.push_back(std::move(s));
+      }
+      continue;
+    }
     const std::string size = shortNumber(s.std / kMicrometre) + " um";
     s.inWords = s.what == "centres"
                     ? "the balls' centres scatter by " + size +

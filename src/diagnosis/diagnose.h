@@ -97,12 +97,20 @@ struct DriftResult {
   bool ofThePlace = false;  // and it is the same in each run over the same targets
 };
 
-/// Scatter that belongs to the artifact: deviations of its balls from the file in position, radius or form.
+constexpr const char* kPositionsOf = "positions of ";  // then the name of a joint
+
+/// Scatter that belongs to places: deviations of the artifact's balls from the file in position, radius or
+/// form; of an axis from position to position, the same in each run.
 struct ArtifactScatter {
-  std::string what;  // "centres", "radii", "form"; "datum": the whole artifact beside its known place
-  double std = 0.0;  // m
+  std::string what;   // "centres", "radii", "form", "positions of x"; "datum": the whole artifact
+  double std = 0.0;   // m (rad)
+  std::string where;  // of positions: the largest, "-4.7 um at 212 mm"
   std::string inWords;
 };
+
+/// Whether it is that of an axis from position to position, and of which.
+bool isOfPositions(const ArtifactScatter& scatter);
+std::string jointOfPositions(const ArtifactScatter& scatter);  ///< its name
 
 /// A cause that explains as well what something else was found to explain.
 struct Alternative {
@@ -110,10 +118,12 @@ struct Alternative {
   double probability = 0.0;  // posterior, beside what it competes with, 0 … 1
 };
 
+constexpr const char* kTime = "time";
+
 /// An effect of the model whose size is not the same everywhere, or whose shape is not the model's alone.
 struct Variation {
   EffectSpec effect;
-  std::string along;  // the joint over which its size changes; empty: its shape is another
+  std::string along;  // the joint over which its size changes, or kTime; empty: its shape is another
   double rms = 0.0,
          std = 0.0;    // m (rad) at the measurements: what is left of it, and its standard uncertainty
   EffectSpec formula;  // follows it, ready to be added; of no type where none does, or it is there already

@@ -59,6 +59,7 @@ class ShapesOf {
       add(linearColumns(effect_, space_.columns(effect_, at)), f.share, "", effect_.shapedAs(f.nonlinear));
     }
     for (const int joint : effect_.nature().variesAlong) changesAlong(joint);
+    if (effect_.nature().variesInTime) changesInTime();
     return std::move(shapes_);
   }
 
@@ -71,6 +72,18 @@ class ShapesOf {
     const std::vector<int> travels = inputsOf(effect_, model_.domain()).travels;
     const bool play = std::find(travels.begin(), travels.end(), joint) != travels.end();
     add(curve, kVariation, name, play ? formulaOver(name) : EffectSpec());
+  }
+
+  void changesInTime() {
+    RowMatrix varied = linearColumns(effect_, space_.columns(effect_, p_));
+    varyInTime(space_.problem(), space_.used(), varied);
+    const std::vector<int> travels = inputsOf(effect_, model_.domain()).travels;
+    EffectSpec follows;
+    if (!travels.empty()) {
+      const std::string& name = model_.domain().joints[static_cast<std::size_t>(travels.front())].name;
+      follows = EffectSpec("formula").set("direction", name).set("formula", "k1*t*" + name + "_travel");
+    }
+    add(varied, kVariation, kTime, follows);
   }
 
   void add(const Eigen::MatrixXd& columns, double share, const std::string& along, EffectSpec follows) {

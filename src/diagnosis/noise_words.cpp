@@ -65,6 +65,11 @@ std::string repeatTwentyTimes(const Diagnosis& d) {
 std::string scatterSentence(const Diagnosis& d) {
   const std::string nothing = nothingLeft(d);
   if (const ArtifactScatter* of = beyondTheFile(d)) return artifactSentence(d, *of);
+  if (const ArtifactScatter* of = ofPositions(d))
+    return nothing + (positive(d.noise) ? " in the noise of " + noiseWords(d) : std::string()) +
+           ", but the error of " + jointOfPositions(*of) + " differs by " + errorInWords(of->std, d.angular) +
+           " (standard deviation) from position to position, most by " + of->where +
+           ", the same in each run: " + kErrorsOfPositions + ".";
   if (const DriftResult* of = beyondTheRepeatability(d))
     return nothing + ", but " + scatterInWords(d, *of) + ", " +
            shortNumber(of->quickStd / d.base.repeatability) + " times the repeatability of " +
@@ -100,8 +105,9 @@ std::string variationSentence(const Diagnosis& d) {
   std::string text;
   for (const Variation& v : d.variations) {
     text += v.along.empty() ? " But " + inWords(v.effect) + " does not have exactly the shape of its model: "
-                            : " But " + inWords(v.effect) + " is not uniform: along " + v.along +
-                                  " it deviates from a single value by ";
+                            : " But " + inWords(v.effect) +
+                                  " is not uniform: " + (v.along == kTime ? "in the course of " : "along ") +
+                                  v.along + " it deviates from a single value by ";
     text += withFactor(expanded(v.rms / unitOf(d.angular), v.std / unitOf(d.angular),
                                 nameOfUnit(d.angular) + " RMS")) +
             (v.along.empty() ? " of it remain" : "");

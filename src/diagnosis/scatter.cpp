@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <boost/math/special_functions/spherical_harmonic.hpp>
 #include <cmath>
+#include <map>
 
 #include "base/dense.h"
 #include "base/units.h"
@@ -17,7 +18,8 @@ namespace {
 constexpr double kPrice = 3.0;       // nats: as for a drift term
 constexpr double kDatumSize = 5.0;   // of the noise: a displacement of the whole artifact that costs nothing
 constexpr double kDatumSeen = 0.01;  // of a displacement: less is left where the places are unknowns
-constexpr int kMostForm = 120;       // columns of form: each costs as much as an unknown
+constexpr double kPositionsSeen = 0.1;  // of a column: less is left where a table of them is an unknown
+constexpr int kMostForm = 120;          // columns of form: each costs as much as an unknown
 constexpr int kLowest = 2, kHighest = 6;
 constexpr int kHarmonics = (kHighest + 1) * (kHighest + 1) - kLowest * kLowest;
 
@@ -88,6 +90,39 @@ double datumSize(const ResidualSpace& space, const RowMatrix& whitened) {
   return std::max(kDatumSize, shift.norm() / std::sqrt(static_cast<double>(shift.size())));
 }
 
+/// What each position of an axis has for itself (the graduation of a scale, a tooth of a rack), where an
+/// instrument read it at the same positions again: rows of one position are no independent evidence of what
+/// only the positions tell, as of a wave.
+void addPositions(Questions& q) {
+  constexpr int kFewest = 8, kMost = 150;  // positions: fewer say little of a spread, more cost too much
+  const ResidualSpace& space = *q.space;
+  const Problem& problem = space.problem();
+  const ErrorLayout layout = problem.model().machine().layout();
+  const Eigen::MatrixXd& g = space.linearisation().slotGradients();
+  for (int joint = 0; joint < problem.session().machine.jointCount(); ++joint) {
+    const std::vector<int> numbers = positionNumbers(problem, joint);
+    std::map<int, int> columnOf;  // of a position
+    std::vector<int> read;
+    for (const int row : space.used()) {
+      const int o = problem.rows()[row].observation;
+      const ObservationKind kind = problem.session().observations[o].kind;
+      if (kind != ObservationKind::kDeviation && kind != ObservationKind::kPosition) continue;
+      columnOf.emplace(numbers[o], static_cast<int>(columnOf.size()));
+      read.push_back(row);
+    }
+    const auto positions = static_cast<int>(columnOf.size());
+    if (positions < kFewest || positions > kMost || read.size() < 2 * columnOf.size()) continue;
+    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(problem.rowCount(), positions);
+    for (const int row : read)
+      columns(row, columnOf.at(numbers[problem.rows()[row].observation])) =
+          (q.directionScale.empty() ? 1.0 : space.fitted().sigma[row]) * g(row, layout.axis(joint));
+    RowMatrix whitened = space.whiten(columns);
+    if (!(space.leftOf(whitened).norm() > kPositionsSeen * whitened.norm())) continue;
+    q.scatter.push_back({std::move(whitened), 0.0, kPrice, false});
+    q.scatterNames.push_back(kPositionsOf + problem.session().machine.joints()[joint].name);
+  }
+}
+
 }  // namespace
 
 void addScatter(Questions& q) {
@@ -95,6 +130,7 @@ void addScatter(Questions& q) {
     q.scatter.push_back(std::move(s.block));
     q.scatterNames.emplace_back();
   }
+  addPositions(q);
   const ResidualSpace& space = *q.space;
   const Problem& problem = space.problem();
   const auto& features = problem.session().artifact.features;

@@ -14,11 +14,11 @@ namespace mm {
 struct Questions {
   const ResidualSpace* space = nullptr;
   NoiseRows rows;
-  std::vector<RandomBlock> scatter;  // always there, never a cause
-  std::vector<std::string>
-      scatterNames;  // "centres", "radii", "form", kDatum; empty: the shape of an effect of the model
-  std::vector<std::string> directions;  // of drift
-  std::vector<double> directionScale;   // m (rad) of a drift of ratio 1 over white noise of 1
+  std::vector<RandomBlock> scatter;       // always there, never a cause
+  std::vector<std::string> scatterNames;  // "centres", "radii", "form", kDatum, kPositionsOf …; empty: the
+                                          // shape of an effect of the model
+  std::vector<std::string> directions;    // of drift
+  std::vector<double> directionScale;     // m (rad) of a drift of ratio 1 over white noise of 1
   Groups groups;
   int asked = 0;            // causes
   double resolution = 0.0;  // m or rad: step of readings of which most agree; 0: finer than their noise

@@ -48,15 +48,24 @@ const Parameter& firstLinear(const Effect& effect) {
 
 }  // namespace
 
-int distinctPositions(const Problem& problem, int joint) {
-  std::vector<double> q;
+std::vector<int> positionNumbers(const Problem& problem, int joint) {
+  std::vector<std::pair<double, std::size_t>> q;
   for (std::size_t o = 0; o < problem.session().observations.size(); ++o)
-    q.push_back(problem.state(static_cast<int>(o)).position[joint]);
+    q.emplace_back(problem.state(static_cast<int>(o)).position[joint], o);
   std::sort(q.begin(), q.end());
-  const double apart = kDistinct * std::max(q.back() - q.front(), kMoved);
-  int count = 1;
-  for (std::size_t i = 1; i < q.size(); ++i) count += q[i] - q[i - 1] > apart;
-  return count;
+  const double apart = kDistinct * std::max(q.back().first - q.front().first, kMoved);
+  std::vector<int> numbers(q.size());
+  int number = 0;
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    if (i > 0 && q[i].first - q[i - 1].first > apart) ++number;
+    numbers[q[i].second] = number;
+  }
+  return numbers;
+}
+
+int distinctPositions(const Problem& problem, int joint) {
+  const std::vector<int> numbers = positionNumbers(problem, joint);
+  return 1 + *std::max_element(numbers.begin(), numbers.end());
 }
 
 std::string ShapeMaker::notTried(const Effect& effect) const {
@@ -107,6 +116,11 @@ DraftShape ShapeMaker::draft(const EffectPtr& effect, const std::vector<double>&
     varyAlong(problem_, space_.used(), joint, most);
     take(std::move(varied), kVariation);
     if (nonlinear.empty()) take(3.0 / 2.0 * most - 1.0 / 2.0 * columns.front(), kVariation);
+  }
+  if (effect->nature().variesInTime && along != SizeAlong::kAsACurve) {
+    RowMatrix varied = columns.front();
+    varyInTime(problem_, space_.used(), varied);
+    take(std::move(varied), kVariation);
   }
   d.raw.resize(space_.length(), count);
   for (std::size_t k = 0; k < columns.size(); ++k)
@@ -255,6 +269,15 @@ RowMatrix GroupColumns::operator()(const EffectPtr& effect, const std::vector<do
 void varyAlong(const Problem& problem, const std::vector<int>& rows, int joint, RowMatrix& columns) {
   for (std::size_t i = 0; i < rows.size(); ++i)
     columns.row(static_cast<int>(i)) *= scaledPosition(problem, rows[i], joint);
+}
+
+void varyInTime(const Problem& problem, const std::vector<int>& rows, RowMatrix& columns) {
+  const auto& all = problem.session().observations;
+  const auto time = [&](int row) { return all[problem.rows()[row].observation].time; };
+  const double first = all.front().time, last = all.back().time;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    columns.row(static_cast<int>(i)) *=
+        last > first ? (2.0 * time(rows[i]) - first - last) / (last - first) : 0.0;
 }
 
 RowMatrix curveAlong(const Problem& problem, const std::vector<int>& rows, int joint,

@@ -63,7 +63,10 @@ class ShapeMaker {
   const Domain& domain_;
 };
 
-/// Positions of a joint in a session that are further apart than rounding.
+/// The position of a joint at each observation, as its number among those that are further apart than
+/// rounding: 0 the lowest.
+std::vector<int> positionNumbers(const Problem& problem, int joint);
+/// How many there are.
 int distinctPositions(const Problem& problem, int joint);
 
 /// Makes the columns of a shape at other values of its nonlinear parameters.
@@ -84,6 +87,9 @@ constexpr double kVariation = 0.15;
 /// Columns of an effect (a row for each of `rows`), from minus themselves at one end of a joint's travel to
 /// themselves at the other; zero where it never moved.
 void varyAlong(const Problem& problem, const std::vector<int>& rows, int joint, RowMatrix& columns);
+
+/// The same from the beginning of a session to its end.
+void varyInTime(const Problem& problem, const std::vector<int>& rows, RowMatrix& columns);
 
 /// Columns of an effect, each times the functions of a curve along a joint: more at one end, in the middle,
 /// or where the machine works most. Each as large as it usually is beside the first.

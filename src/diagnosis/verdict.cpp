@@ -32,6 +32,11 @@ const ArtifactScatter* beyondTheFile(const Diagnosis& d) {
   return nullptr;
 }
 
+const ArtifactScatter* ofPositions(const Diagnosis& d) {
+  const auto found = std::find_if(d.artifactScatter.begin(), d.artifactScatter.end(), isOfPositions);
+  return found == d.artifactScatter.end() ? nullptr : &*found;
+}
+
 const DriftResult* beyondTheRepeatability(const Diagnosis& d) {
   if (!(d.base.repeatability > 0.0) || d.base.repeatabilityFrom == "estimated") return nullptr;
   for (const DriftResult& drift : d.drift)
@@ -51,7 +56,7 @@ void decide(Diagnosis& out) {
                 : confusable           ? Verdict::kConfusable
                 : !out.missing.empty() ? Verdict::kMissingEffect
                 : known && out.noise < mostNoise(out.base) && beyondTheFile(out) == nullptr &&
-                        beyondTheRepeatability(out) == nullptr
+                        ofPositions(out) == nullptr && beyondTheRepeatability(out) == nullptr
                     ? Verdict::kExplained
                     : Verdict::kScatter;
 }

@@ -8,6 +8,11 @@
 
 namespace mm {
 
+/// What differs from position to position, and what to do.
+constexpr const char* kErrorsOfPositions =
+    "graduation errors of its scale, or errors that change within less than these distances; correct them by "
+    "a position_table, or measure at positions closer together";
+
 // A diagnosis as people say it: the sentence of its verdict, and the words of which it is made.
 
 /// The verdict in one to four sentences: what is named, with its size and odds, and what else it may be.

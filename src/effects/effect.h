@@ -98,6 +98,7 @@ struct Nature {
   std::vector<std::string> shapeKeys;
   std::vector<int>
       variesAlong;            // joints along whose travel its size usually changes: the play of a worn screw
+  bool variesInTime = false;  // its size usually changes during a session, too
   std::vector<int> mustMove;  // joints of whose position it is a law: where one never moved, it cannot show
   int positionsNeeded = 0;    // distinct positions of each of these, at the least; 0: any that moved
 };

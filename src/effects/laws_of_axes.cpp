@@ -130,6 +130,7 @@ Law backlash(SpecReader& read) {
       oneTerm(Stage::kAxis, read.layout().axis(axis), errorParameter("gap", read.jointAt(axis).kind),
               [axis](const State& s) { return s.travel[axis] == 0.0 ? kUnknown : -0.5 * s.travel[axis]; });
   law.nature.variesAlong = {axis};  // a nut wears most where it works most: the play changes along the screw
+  law.nature.variesInTime = true;   // and it loosens, or warms
   return law;
 }
 

@@ -99,10 +99,18 @@ Fit softened(const FitTask& task, Fit fit) {
   return fit;
 }
 
+/// Whether more counts in a fit than rows of one noise, whose size changes nothing: rows of another unit or
+/// of a stated deviation, and what is known beforehand.
+bool isWeighedAgainstOthers(const Problem& problem) {
+  const auto isStated = [](const ResidualRow& r) { return r.statedSigma > 0.0; };
+  return (has(problem, true) && has(problem, false)) || problem.priorCount() > 0 ||
+         std::any_of(problem.rows().begin(), problem.rows().end(), isStated);
+}
+
 Noise estimatedNoise(const FitTask& task, const Fit& fit, bool* moved) {
   *moved = false;
   Noise noise = fit.noise;
-  if (!has(task.problem, true) || !has(task.problem, false)) return noise;
+  if (!isWeighedAgainstOthers(task.problem)) return noise;
   const int total = static_cast<int>((fit.weight.array() > 0.0).count());
   const double dof =
       std::max(kFewestLeft, 1.0 - static_cast<double>(freeCount(task.fixed)) / std::max(1, total));

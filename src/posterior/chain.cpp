@@ -227,20 +227,21 @@ void PosteriorChain::stepPair() {
   if (std::log(1.0 - random_.uniform()) < logRatio) moveTo(std::move(to), std::move(look), std::move(rates));
 }
 
-double PosteriorChain::drawAsMode(const ActingSet& mode, const ActingSet* was, ActingSet& drawn) {
-  drawn = mode;
+double PosteriorChain::drawAsMode(const Mode& mode, const ActingSet* was, ActingSet& drawn) {
+  drawn = mode.set;
   double log = 0.0;
-  for (std::size_t k = 0; k < mode.size(); ++k) {
-    const Conditionals look = view().look(drawn);
-    drawn[k] = was != nullptr ? (*was)[k] : drawShape(look, causeOf(mode[k]));
+  for (std::size_t k = 0; k < drawn.size(); ++k) {
+    const Conditionals look = pool_[static_cast<std::size_t>(mode.noise)]->look(drawn);
+    drawn[k] = was != nullptr ? (*was)[k] : drawShape(look, causeOf(drawn[k]));
     log += logDrawn(look, drawn[k]);
   }
   return log;
 }
 
 void PosteriorChain::stepMode() {
-  const auto isHere = [&](const ActingSet& mode) {
-    return std::equal(mode.begin(), mode.end(), set_.begin(), set_.end(),
+  const auto isHere = [&](const Mode& mode) {
+    return mode.noise == noise_ &&
+           std::equal(mode.set.begin(), mode.set.end(), set_.begin(), set_.end(),
                       [&](const Acting& a, const Acting& b) { return causeOf(a) == causeOf(b); });
   };
   const auto here = std::find_if(modes_.begin(), modes_.end(), isHere);
@@ -248,14 +249,17 @@ void PosteriorChain::stepMode() {
   const auto from = static_cast<int>(here - modes_.begin());
   int other = random_.below(static_cast<int>(modes_.size()) - 1);
   if (other >= from) ++other;
+  const Mode& mode = modes_[static_cast<std::size_t>(other)];
+  const NoiseView& noise = *pool_[static_cast<std::size_t>(mode.noise)];
   ActingSet to, same;
-  const double there = drawAsMode(modes_[static_cast<std::size_t>(other)], nullptr, to);
-  const double back = drawAsMode(*here, &set_, same);
-  Conditionals look = view().look(to);
+  const double there = drawAsMode(mode, nullptr, to), back = drawAsMode(*here, &set_, same);
+  Conditionals look = noise.look(to);
   Rates rates = ratesOf(look, to);
   const double logRatio =
-      view().logDensity(to) + rates.logSum + back - view().logDensity(set_) - rates_.logSum - there;
-  if (std::log(1.0 - random_.uniform()) < logRatio) moveTo(std::move(to), std::move(look), std::move(rates));
+      noise.logDensity(to) + rates.logSum + back - view().logDensity(set_) - rates_.logSum - there;
+  if (std::log(1.0 - random_.uniform()) >= logRatio) return;
+  noise_ = mode.noise;
+  moveTo(std::move(to), std::move(look), std::move(rates));
 }
 
 void PosteriorChain::stepTogether() {

@@ -20,6 +20,12 @@ struct Visit {
   std::vector<int> acting;  // causes of the set, those that are more than a part of another
 };
 
+/// A place of great density.
+struct Mode {
+  ActingSet set;
+  int noise = 0;  // of the pool
+};
+
 /// Tempered Gibbs sampling over sets of causes (Zanella & Roberts, J. R. Stat. Soc. B 81 (2019)): causes
 /// whose state fits the rest badly are proposed more often, and then flipped; where the chain went too often
 /// is weighted down by what is known, so that its samples are those of the posterior. The state of the noise
@@ -31,9 +37,9 @@ class PosteriorChain {
   PosteriorChain(const PosteriorProblem& problem, const NoisePool& pool, std::size_t firstFitted,
                  std::uint64_t seed, int number, int noise = 0, ActingSet set = {});
 
-  /// Sets of great density, no two of the same causes, between which the chain jumps: what explains a session
-  /// as well by other causes is not reached by exchanging one after the other.
-  void setModes(std::vector<ActingSet> modes) { modes_ = std::move(modes); }
+  /// Modes, no two of the same causes, between which the chain jumps: what explains a session as well by
+  /// other causes and another noise is not reached by exchanging one after the other.
+  void setModes(std::vector<Mode> modes) { modes_ = std::move(modes); }
   /// Goes on from another state.
   void beginAt(int noise, ActingSet set);
   /// @param visits those of these steps are added; null: they are not kept.
@@ -56,7 +62,7 @@ class PosteriorChain {
   void stepMode();
   /// Shapes and sizes of the causes of a mode, drawn one after the other, each beside those drawn and the
   /// mode's other ones. @param was not null: what was drawn. @return log probability of the draw.
-  double drawAsMode(const ActingSet& mode, const ActingSet* was, ActingSet& drawn);
+  double drawAsMode(const Mode& mode, const ActingSet* was, ActingSet& drawn);
   /// The noise and one cause drawn together, beside all others: what drift or scatter explains, a cause may
   /// explain instead, and neither can go before the other has come.
   void stepTogether();
@@ -81,7 +87,7 @@ class PosteriorChain {
   ActingSet set_;
   Conditionals look_;
   Rates rates_;
-  std::vector<ActingSet> modes_;
+  std::vector<Mode> modes_;
   ActingSet best_;
   double bestDensity_ = -1e300;
   int bestNoise_ = 0;

@@ -39,7 +39,7 @@ class Sampler {
     }
     advance(options_.warmUp, false);
     leaveWhatIsFarBehind();
-    const std::vector<ActingSet> modes = this->modes(plain);
+    const std::vector<Mode> modes = this->modes(plain);
     for (PosteriorChain& c : chains_) c.setModes(modes);
     PosteriorSample out;
     for (int round = 0; round < options_.mostRounds; ++round) {
@@ -96,7 +96,7 @@ class Sampler {
   }
 
   /// Where the chains are, and where those that began at the other starts would be.
-  std::vector<ActingSet> modes(std::size_t plain) const {
+  std::vector<Mode> modes(std::size_t plain) const {
     const double most = densestChain().bestDensity();
     std::vector<PosteriorChain> ends = chains_;
     std::set<std::vector<int>> known;
@@ -111,10 +111,10 @@ class Sampler {
     const std::size_t own = chains_.size();
     parallelFor(ends.size() - own, [&](std::size_t c) { ends[own + c].run(options_.warmUp, nullptr); });
     known.clear();
-    std::vector<ActingSet> modes;
+    std::vector<Mode> modes;
     for (const PosteriorChain& end : ends)
       if (end.bestDensity() > most - kFarBehind && known.insert(causesOf(end.best())).second)
-        modes.push_back(end.best());
+        modes.push_back({end.best(), end.bestNoise()});
     return modes;
   }
 

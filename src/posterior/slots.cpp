@@ -13,6 +13,7 @@ constexpr double kRivalsFrom = 0.002;
 constexpr double kOfTheRest = 0.02;  // share of what is left that a further rival must have
 /// A rival acts instead: beside those of the slot it is less likely than without them, by this much.
 constexpr double kInstead = 0.5;
+constexpr double kLikelier = 0.5;    // than not: what is told with another that is sure
 constexpr double kToldRival = 0.03;  // a rival of less is not told
 constexpr std::size_t kMostRivals = 9;
 
@@ -81,9 +82,11 @@ std::vector<Slot> slotsOf(const PosteriorSample& sample) {
       weigh();
     }
     slot.probability = 1.0 - left();
-    slot.named = slot.probability >= kNamed || std::any_of(slots.begin(), slots.end(), [&](const Slot& told) {
-                   return told.named && noneBeside(told.causes.front(), none, sample) < 1.0 - kNamed;
-                 });
+    const auto isSureBeside = [&](const Slot& told) {
+      return told.named && noneBeside(told.causes.front(), none, sample) < 1.0 - kNamed;
+    };
+    slot.named = slot.probability >= kNamed || (sample.inclusion[leader] > kLikelier &&
+                                                std::any_of(slots.begin(), slots.end(), isSureBeside));
     for (const int c : slot.causes) used[c] = slot.named ? 1 : used[c];
     used[leader] = 1;
     std::vector<int> told;

@@ -69,8 +69,11 @@ Json driftJson(const DriftResult& drift, const Diagnosis& d) {
                       {"to_do", drift.inWords.empty() ? driftAdvice(drift) : drift.inWords}}});
 }
 
-Json scatterJson(const ArtifactScatter& a) {
-  return {{"what", a.what}, {"std_um", a.std / kMicrometre}, {"in_words", a.inWords}};
+Json scatterJson(const ArtifactScatter& a, const Diagnosis& d) {
+  const bool angular = d.angular && isOfPositions(a);
+  return {{"what", a.what},
+          {angular ? "std_arcsec" : "std_um", a.std / (angular ? kArcsecond : kMicrometre)},
+          {"in_words", a.inWords}};
 }
 
 Json variationJson(const Variation& v, const Diagnosis& d) {
@@ -149,7 +152,7 @@ Json diagnosisJson(const Diagnosis& d) {
         {"profiles", each(d.profiles, profileJson)},
         {"formulas", each(d.formulas, formulaJson)},
         {"drift", each(d.drift, driftJson)},
-        {"artifact_scatter", jsonList(d.artifactScatter, scatterJson)},
+        {"artifact_scatter", each(d.artifactScatter, scatterJson)},
         {"variations", each(d.variations, variationJson)},
         {"missing_inputs", jsonList(d.missingInputs, inputJson)},
         {"cannot_show", each(d.cannotShow, hiddenJson)},

@@ -88,9 +88,10 @@ std::string driftText(const Diagnosis& d) {
 
 std::string artifactText(const Diagnosis& d) {
   if (d.artifactScatter.empty()) return {};
-  std::string text = "\nScatter of the artifact\n";
+  std::string text = "\nScatter of places\n";
   for (const ArtifactScatter& a : d.artifactScatter)
-    text += entry(a.what, length(a.std, false) + (a.inWords.empty() ? "" : ": " + a.inWords));
+    text += entry(a.what,
+                  length(a.std, d.angular && isOfPositions(a)) + (a.inWords.empty() ? "" : ": " + a.inWords));
   return text;
 }
 
@@ -240,6 +241,10 @@ std::string afterwards(const Diagnosis& d, const std::string& session, const std
     return "\nType next, to see what the session can show:\n  mm check " + bagsTyped(session) + "\n";
   if (d.verdict == Verdict::kExplained && d.variations.empty())
     return "\nType next:\n  mm promote " + quoted(calibration) + "\n";
+  if (const ArtifactScatter* of = ofPositions(d); d.verdict == Verdict::kScatter && of != nullptr)
+    return "\nType next:\n  mm add " + bagsTyped(session) + " --calibration " + quoted(calibration) +
+           " '{type: position_table, axis: " + jointOfPositions(*of) + "}' -o " +
+           quoted(nextName(calibration)) + "\n";
   if (d.verdict == Verdict::kScatter && !repeatabilityKnown(d) && !d.angular)
     return "\nWith the standard deviation, um, of the twenty readings in place of STD:\n  " +
            diagnoseCommand(session, calibration) + " --repeatability-um STD\n";

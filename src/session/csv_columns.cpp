@@ -30,11 +30,11 @@ constexpr RoleFacts kRoles[] = {
     {CsvRole::kSetup, Q::kNone, "setup", "setup"},
     {CsvRole::kPlacement, Q::kNone, "placement", "placement"},
     {CsvRole::kStylus, Q::kNone, "stylus", "stylus"},
+    {CsvRole::kDirection, Q::kNone, "direction_%", "direction of travel of %"},
     {CsvRole::kTemperature, Q::kTemperature, "%_degC", "temperature %"},
     {CsvRole::kCovariate, Q::kNone, "%", "covariate %"},
     {CsvRole::kDate, Q::kNone, "date", "day of the time"},
     {CsvRole::kMeasured, Q::kReadingOfJoint, "measured_%_mm", "position of % by an instrument"},
-    {CsvRole::kDirection, Q::kNone, "direction_%", "direction of travel of %"},
     {CsvRole::kIgnored, Q::kNone, "ignore", "left out: %"},
 };
 

@@ -95,10 +95,13 @@ void isNoWave(const Error& error, int targets, double most) {
   for (int seed = 1; seed <= seeds(); ++seed) {
     const Diagnosis d = diagnosisOf(error, targets, static_cast<std::uint64_t>(seed));
     knowsTheNoise(d);
-    EXPECT_FALSE(d.missing.empty() && d.profiles.empty()) << told(d);
+    EXPECT_FALSE(d.missing.empty() && d.profiles.empty() && d.artifactScatter.empty()) << told(d);
     for (const CandidateResult& m : d.missing)
       EXPECT_NE(m.effect.type, "lead_screw_periodic") << targets << " " << seed << ": " << told(d);
-    EXPECT_LT(d.heldOut, most * d.heldOutBefore) << targets << " " << seed << ": " << told(d);
+    // of a place that only two targets saw no curve is known: it is told as what these targets have
+    if (!d.missing.empty() || !d.profiles.empty()) {
+      EXPECT_LT(d.heldOut, most * d.heldOutBefore) << targets << " " << seed << ": " << told(d);
+    }
   }
 }
 
@@ -199,7 +202,55 @@ TEST(LocalError, WhatDiffersFromTargetToTargetByChanceIsNoWave) {
                                                    errors[i] + random.normal(kNoise / kMicrometre)));
       }
     const Diagnosis d = diagnosisOf(session);
+    EXPECT_TRUE(d.missing.empty()) << told(d);
+    ASSERT_EQ(d.artifactScatter.size(), 1u) << told(d);
+    EXPECT_EQ(d.artifactScatter[0].what, "positions of x");
+    EXPECT_NEAR(d.artifactScatter[0].std, 2.0e-6, 1.2e-6) << "of 21: two and a half standard uncertainties";
+    EXPECT_EQ(d.verdict, Verdict::kScatter) << told(d);
+    EXPECT_NE(d.sentence.find("position_table"), std::string::npos) << d.sentence;
+  }
+}
+
+// Graduation errors beside a backlash: a wave of 1.144 mm among 505 at 41 targets, 20 to 1
+TEST(LocalError, GraduationErrorsAreNoWave) {
+  for (int seed = 1; seed <= std::max(2, seeds()); ++seed) {
+    RandomNumbers random(static_cast<std::uint64_t>(seed));
+    const std::vector<double> targets = unequalTargets(41, random, seed % 2 == 0);
+    std::vector<double> errors(targets.size());
+    for (double& error : errors) error = random.normal(0.7);
+    Session session = sessionOf(0.5e-6);
+    double time = 0.0;
+    for (int run = 0; run < 6; ++run)
+      for (std::size_t k = 0; k < targets.size(); ++k) {
+        const std::size_t i = run % 2 == 0 ? k : targets.size() - 1 - k;
+        const double way = run % 2 == 0 ? 1.0 : -1.0;
+        session.observations.push_back(
+            deviationAt(targets[i], way, time += 4.0, errors[i] - 0.75 * way + random.normal(0.5)));
+      }
+    const Diagnosis d = diagnosisOf(session);
+    ASSERT_FALSE(d.missing.empty()) << told(d);
+    EXPECT_EQ(d.missing[0].effect.type, "backlash") << told(d);
     for (const CandidateResult& m : d.missing) EXPECT_NE(m.effect.type, "lead_screw_periodic") << told(d);
+  }
+}
+
+// A nut that loosens: what its backlash has more at the end was told as a cycle in time of the period of the
+// runs
+TEST(LocalError, ABacklashThatGrowsIsNoCycleInTime) {
+  for (int seed = 1; seed <= seeds(); ++seed) {
+    RandomNumbers random(static_cast<std::uint64_t>(seed));
+    Session session = sessionOf(0.5e-6);
+    double time = 0.0;
+    for (int run = 0; run < 10; ++run)
+      for (int i = 0; i < 16; ++i) {
+        const double way = run % 2 == 0 ? 1.0 : -1.0, gap = 1.0 + 2.5 * (16 * run + i) / 159.0;
+        session.observations.push_back(
+            deviationAt(way * (2.6 * i - 19.5), way, time += 10.0, -0.5 * gap * way + random.normal(0.5)));
+      }
+    const Diagnosis d = diagnosisOf(session);
+    ASSERT_EQ(d.missing.size(), 1u) << told(d);
+    EXPECT_EQ(d.missing[0].effect.type, "backlash") << told(d);
+    EXPECT_NEAR(d.missing[0].parameters[0].value, 2.25, 3.0 * d.missing[0].parameters[0].std) << told(d);
   }
 }
 

@@ -97,7 +97,7 @@ TEST(NoiseView, ACauseWhoseEvidenceIsNoNumberEndsTheSample) {
 }
 
 TEST(PosteriorChain, ItsSamplesAreThoseOfThePosterior) {
-  const std::vector<ActingSet> modes = {{{0, 3}}, {{2, 5}}, {{0, 4}, {3, 6}}};
+  const std::vector<Mode> modes = {{{{0, 3}}, 0}, {{{2, 5}}, 1}, {{{0, 4}, {3, 6}}, 0}};
   for (const unsigned seed : {1u, 2u, 5u, 8u}) {
     const SmallProblem small(seed, 0.35);
     const NoisePool pool = {std::make_shared<NoiseView>(small.problem, small.plain()),
@@ -146,7 +146,7 @@ TEST(PosteriorChain, JumpsBetweenSetsThatDoTheSameTogether) {
   ASSERT_GT(std::min(exact.inclusion[0], exact.inclusion[2]), 0.1) << "both pairs are likely";
   const ActingSet one = {{0, 9}, {1, 9}}, other = {{2, 9}, {3, 9}};
   PosteriorChain chain(problem, pool, 0, 1, 0, 0, one);
-  chain.setModes({one, other});
+  chain.setModes({{one, 0}, {other, 0}});
   std::vector<Visit> visits;
   chain.run(2000, &visits);
   double sum = 0.0;

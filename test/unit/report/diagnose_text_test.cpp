@@ -206,7 +206,7 @@ TEST(DiagnoseText, DriftArtifactAndInputs) {
   d.drift[1].direction = "y";
   d.drift[1].perhaps = {{growth("y"), 0.3, 0.6}};
   d.drift[1].inWords = "measure the same place at other temperatures";
-  d.artifactScatter = {{"centres", 0.5e-6, "measure the plate again"}};
+  d.artifactScatter = {{"centres", 0.5e-6, {}, "measure the plate again"}};
   d.missingInputs = {{"direction of travel of x", "from the approach of the contact", {}},
                      {"speed of y", "", {EffectSpec("speed_lag"), backlash("y")}}};
   const std::string text = textOf(d);
@@ -322,7 +322,7 @@ TEST(DiagnoseJson, ProfilesDriftArtifactInputsAndNoise) {
   d.profiles = {bump()};
   d.drift = {wander()};
   d.drift[0].perhaps = {{growth("x"), 0.3, 0.6}};
-  d.artifactScatter = {{"centres", 0.5e-6, "measure the plate again"}};
+  d.artifactScatter = {{"centres", 0.5e-6, {}, "measure the plate again"}};
   d.missingInputs = {{"speed of y", "", {EffectSpec("speed_lag")}}};
   const Json json = jsonOf(d);
   const Json& p = json["profiles"][0];
@@ -383,7 +383,7 @@ TEST(DiagnoseJson, NothingIsNanOrInfinite) {
   d.profiles[0].curve[3][2] = nan;
   d.profiles[0].heldOutAfter = inf;
   d.drift = {{"x", nan, inf, {{growth("x"), nan, nan}}, ""}};
-  d.artifactScatter = {{"form", nan, ""}};
+  d.artifactScatter = {{"form", nan, "", ""}};
   d.noise = nan;
   const std::string text = diagnoseJson(told(d));
   for (const char* word : {"nan", "NaN", "inf,", "Infinity"}) EXPECT_FALSE(has(text, word)) << text;
