@@ -134,15 +134,17 @@ class Sampler {
     std::vector<std::vector<double>> ofChain;
     out.visits.clear();
     out.weights.clear();
-    for (const auto& visits : visits_) {
+    for (const auto& all : visits_) {
+      // of more than one round the first half is the way from where the chain began
+      const std::size_t first = all.size() > static_cast<std::size_t>(options_.steps) ? all.size() / 2 : 0;
       double most = -1e300, sum = 0.0;
-      for (const Visit& v : visits) most = std::max(most, v.logWeight);
-      for (const Visit& v : visits) sum += std::exp(v.logWeight - most);
+      for (std::size_t i = first; i < all.size(); ++i) most = std::max(most, all[i].logWeight);
+      for (std::size_t i = first; i < all.size(); ++i) sum += std::exp(all[i].logWeight - most);
       std::vector<double> inclusion(causes, 0.0);
-      for (const Visit& v : visits) {
-        const double weight = std::exp(v.logWeight - most) / sum;
-        for (std::size_t c = 0; c < causes; ++c) inclusion[c] += weight * v.inclusion[c];
-        out.visits.push_back(v);
+      for (std::size_t i = first; i < all.size(); ++i) {
+        const double weight = std::exp(all[i].logWeight - most) / sum;
+        for (std::size_t c = 0; c < causes; ++c) inclusion[c] += weight * all[i].inclusion[c];
+        out.visits.push_back(all[i]);
         out.weights.push_back(weight / static_cast<double>(visits_.size()));
       }
       ofChain.push_back(std::move(inclusion));
