@@ -266,6 +266,13 @@ Eigen::VectorXd NoiseFit::withoutBlocks(const NoiseFitResult& best) const {
   return left;
 }
 
+/// What lasts less than from one row to the next, and is as large in every row, is white noise.
+double NoiseFit::shortestOf(int direction) const {
+  constexpr double kAlike = 0.99;
+  const auto sizes = rows_.factors.col(direction).cwiseAbs();
+  return sizes.minCoeff() > kAlike * sizes.maxCoeff() ? timeConstants_.front() : 0.0;
+}
+
 void NoiseFit::refineTerms(int round, const NoiseFitOptions& options, NoiseFitResult& best) const {
   constexpr double kSteps[] = {1.7, 1.3, 1.15};  // factors of a size; of a time constant their squares
   constexpr int kMostSteps = 4;
@@ -275,8 +282,9 @@ void NoiseFit::refineTerms(int round, const NoiseFitOptions& options, NoiseFitRe
       NoiseModel other = best.noise;
       other.drift[k].ratio *= ratio;
       other.drift[k].tau *= tau;
-      const double longest = timeConstants_.empty() ? other.drift[k].tau : timeConstants_.back();
-      other.drift[k].tau = std::min(other.drift[k].tau, longest);
+      if (!timeConstants_.empty())
+        other.drift[k].tau =
+            std::clamp(other.drift[k].tau, shortestOf(other.drift[k].direction), timeConstants_.back());
       return take(std::move(other), options, best);
     };
     const auto walk = [&](double ratio, double tau) {

@@ -102,6 +102,7 @@ class NoiseFit {
   void dropTerms(const NoiseFitOptions& options, NoiseFitResult& best) const;
   void addTerm(const NoiseFitOptions& options, NoiseFitResult& best) const;  // the best of all further ones
   Eigen::VectorXd withoutBlocks(const NoiseFitResult& best) const;
+  double shortestOf(int direction) const;
   void refineTerms(int round, const NoiseFitOptions& options, NoiseFitResult& best) const;
   void refitRatios(const NoiseFitOptions& options, NoiseFitResult& best) const;
 
