@@ -14,8 +14,7 @@ std::vector<VerifyVerdict> toldBy(const std::string& text) {
   const auto says = [&](const char* words) { return text.find(words) != std::string::npos; };
   if (says("it helped") || says("it helps")) told.push_back(VerifyVerdict::kHelped);
   if (says("no change")) told.push_back(VerifyVerdict::kNoChange);
-  if (says("the errors rose") || says("makes it worse"))
-    told.push_back(VerifyVerdict::kWorse);
+  if (says("the errors rose") || says("makes it worse")) told.push_back(VerifyVerdict::kWorse);
   if (told.empty()) told.push_back(VerifyVerdict::kMixed);
   return told;
 }
