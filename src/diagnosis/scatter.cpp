@@ -94,7 +94,8 @@ double datumSize(const ResidualSpace& space, const RowMatrix& whitened) {
 /// instrument read it at the same positions again: rows of one position are no independent evidence of what
 /// only the positions tell, as of a wave.
 void addPositions(Questions& q) {
-  constexpr int kFewest = 8, kMost = 150;  // positions: fewer say little of a spread, more cost too much
+  // positions: of fewer a smooth curve is met as well as one value each, and tells more; more cost too much
+  constexpr int kFewest = 20, kMost = 150;
   const ResidualSpace& space = *q.space;
   const Problem& problem = space.problem();
   const ErrorLayout layout = problem.model().machine().layout();

@@ -67,6 +67,22 @@ TEST(RealData, InterferometerY) {
   EXPECT_NEAR(calibrated(work, folder / "y_axis.csv", tableModel("y"))["rms_um"].get<double>(), 3.5, 0.05);
 }
 
+// Nine positions on a smooth curve of 36 um are no graduation errors: a curve is told, and it predicts.
+TEST(RealData, InterferometerXIsACurveAndABacklash) {
+  MM_NEEDS_SHARED_DATA(folder, "iso230_interferometer");
+  const TestFolder work;
+  calibrated(work, folder / "x_axis.csv", "  - {type: scale, axis: x}\n", "--method least_squares");
+  const Answer answer =
+      mmRun(work, "diagnose " + work / "s.bag" + " --calibration " + work / "c.yaml" + " --json");
+  ASSERT_EQ(answer.status, 0) << answer.error;
+  const nlohmann::json d = answer.json();
+  EXPECT_EQ(d["verdict"], "unknown_effect") << d["sentence"];
+  ASSERT_FALSE(d["profiles"].empty());
+  ASSERT_FALSE(d["missing"].empty());
+  EXPECT_EQ(d["missing"][0]["effect"]["type"], "backlash");
+  EXPECT_LT(d["held_out_rms_with_found_um"].get<double>(), 5.0) << "of 33 um";
+}
+
 TEST(RealData, InterferometerZ) {
   MM_NEEDS_SHARED_DATA(folder, "iso230_interferometer");
   const TestFolder work;
