@@ -1,5 +1,6 @@
 // What is told of the artifact: how its balls scatter, and where it lies as a whole.
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 
 #include "base/units.h"
@@ -51,18 +52,20 @@ void fillDatum(const Search& search, const Explanation& found, std::size_t block
   out.artifactScatter.push_back(std::move(s));
 }
 
-/// "-4.7 um at 212 mm": the position that differs most.
+/// "-4.7 ± 0.4 um (k = 2) at 212 mm": the position that differs most.
 std::string largestOf(const Search& search, const Explanation& found, std::size_t block, const Joint& joint,
                       int number, double unit) {
   const Questions& q = search.questions();
-  const Eigen::VectorXd values = fitOf(search, found, block, found.scatter[block]).values;
+  const BlockFit fit = fitOf(search, found, block, found.scatter[block]);
   Eigen::Index most = 0, row = 0;
-  values.cwiseAbs().maxCoeff(&most);
+  fit.values.cwiseAbs().maxCoeff(&most);
+  const double std = found.white * std::sqrt(fit.covariance(most, most));
   q.scatter[block].columns.col(most).head(q.space->rows()).cwiseAbs().maxCoeff(&row);
   const Problem& problem = q.space->problem();
   const int o = problem.rows()[q.space->used()[static_cast<std::size_t>(row)]].observation;
   const bool linear = joint.kind == JointKind::kLinear;
-  return errorInWords(values[most] * unit, !linear) + " at " +
+  const double inUnit = unit / unitOf(!linear);
+  return withFactor(expanded(fit.values[most] * inUnit, std * inUnit, nameOfUnit(!linear))) + " at " +
          shortNumber(problem.state(o).position[number] / (linear ? kMillimetre : kDegree)) +
          (linear ? " mm" : " deg");
 }
@@ -97,6 +100,8 @@ void fillScatter(const Search& search, const Explanation& found, double unit, Di
     ArtifactScatter s;
     s.what = q.scatterNames[b];
     s.std = found.scatter[b] * found.white * unit;
+    s.stdStd = s.std /
+               std::sqrt(2.0 * std::max<double>(1.0, static_cast<double>(q.scatter[b].columns.cols()) - 1.0));
     if (isOfPositions(s)) {
       if (isSaid(search, found, b)) {
         const Domain& domain = q.space->problem().model().domain();

@@ -104,8 +104,9 @@ constexpr const char* kPositionsOf = "positions of ";  // then the name of a joi
 struct ArtifactScatter {
   std::string what;   // "centres", "radii", "form", "positions of x"; "datum": the whole artifact
   double std = 0.0;   // m (rad)
-  std::string where;  // of positions: the largest, "-4.7 um at 212 mm"
+  std::string where;  // of positions: the largest, "-4.7 ± 0.4 um (k = 2) at 212 mm"
   std::string inWords;
+  double stdStd = 0.0;  // of a standard deviation of so many, its standard uncertainty; 0: not stated
 };
 
 /// Whether it is that of an axis from position to position, and of which.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "base/erase_if.h"
 #include "diagnosis/likely_shapes.h"
 
 namespace mm {
@@ -174,7 +175,7 @@ std::vector<LikelyShapes::Asked> LikelyShapes::askBeside(const Walk& walk, const
 }
 
 bool LikelyShapes::takeTwoForOne(const Walk& found) {
-  const double least = densityOf(found) - kNear;
+  const double density = densityOf(found), least = density - kNear;
   std::vector<Asked> pairs;
   for (std::size_t j = 0; j < found.set.size(); ++j) {
     Walk others = found;
@@ -183,13 +184,13 @@ bool LikelyShapes::takeTwoForOne(const Walk& found) {
       const auto isSame = [&](const Asked& a) {
         return a.taken.group == found.set[j].group || groups_.at(a.taken.group).profile;
       };
-      of.erase(std::remove_if(of.begin(), of.end(), isSame), of.end());
+      eraseIf(of, isSame);
     };
-    const double worth = least + kNear - densityOf(others);
+    const double worth = density - densityOf(others);
     std::vector<Asked> firsts = ask(found.noise, others.set, Wanted::kOneOfEach);
     keepOthers(firsts);
     const auto doesLittle = [&](const Asked& a) { return a.likelier < kAlike * worth; };
-    firsts.erase(std::remove_if(firsts.begin(), firsts.end(), doesLittle), firsts.end());
+    eraseIf(firsts, doesLittle);
     std::stable_sort(firsts.begin(), firsts.end(),
                      [](const Asked& a, const Asked& b) { return a.logOdds > b.logOdds; });
     if (firsts.size() > kMostFirst) firsts.resize(kMostFirst);

@@ -8,15 +8,18 @@
 
 namespace mm {
 
-/// What differs from position to position, and what to do.
-constexpr const char* kErrorsOfPositions =
-    "graduation errors of its scale, or errors that change within less than these distances; correct them by "
-    "a position_table, or measure at positions closer together";
-
 // A diagnosis as people say it: the sentence of its verdict, and the words of which it is made.
 
 /// The verdict in one to four sentences: what is named, with its size and odds, and what else it may be.
 std::string sentenceOf(const Diagnosis& diagnosis);
+
+/// "0.76 ± 0.13 arcsec RMS (k = 2)": a standard deviation that belongs to places.
+std::string sizeOfScatter(const ArtifactScatter& scatter, bool angular);
+
+/// What differs from position to position, and what to do.
+constexpr const char* kErrorsOfPositions =
+    "graduation errors of its scale, or errors that change within less than these distances; correct them by "
+    "a position_table, or measure at positions closer together";
 
 /// Its first letter a capital.
 std::string capitalized(std::string text);

@@ -12,10 +12,8 @@ constexpr double kTried = 0.3;
 constexpr double kRedrawn = 0.5;  // rate at which the shape of one that acts is drawn again
 constexpr int kNoiseEvery = 3;    // steps
 constexpr int kModeEvery = 4;
-constexpr int kPairEvery = 10;
 constexpr int kTogetherEvery = 10;
 constexpr double kNearlyAny = 0.1;  // power of the density by which a state of the noise is proposed
-constexpr double kFlat = 0.5;       // power of the odds by which partners are proposed
 constexpr int kMostActing = 12;
 constexpr double kNever = -1e300;  // log weight
 
@@ -155,78 +153,6 @@ double PosteriorChain::logDrawn(const Conditionals& look, Acting a) const {
   return look.logWeights(a.shape, a.size) - look.logOdds[static_cast<std::size_t>(causeOf(a))];
 }
 
-/// Log probabilities by which a cause is proposed; those of `never` are not.
-std::vector<double> PosteriorChain::proposals(const Conditionals& look, const ActingSet& never,
-                                              int nor) const {
-  std::vector<double> log;
-  for (const double odds : look.logOdds) log.push_back(kFlat * odds);
-  for (const Acting& a : never) log[static_cast<std::size_t>(causeOf(a))] = kNever;
-  if (nor >= 0) log[static_cast<std::size_t>(nor)] = kNever;
-  const double sum =
-      logSumExp(Eigen::Map<const Eigen::ArrayXd>(log.data(), static_cast<Eigen::Index>(log.size())));
-  for (double& value : log) value -= sum;
-  return log;
-}
-
-void PosteriorChain::stepPair() {
-  const bool split = random_.uniform() < 0.5;
-  const int members = static_cast<int>(set_.size()), causes = static_cast<int>(look_.logOdds.size());
-  if (split ? members < 1 || members + 1 > kMostActing || causes < members + 2
-            : members < 2 || causes < members + 1)
-    return;
-  // what stays, what goes, and what comes
-  ActingSet common = set_, one, two;
-  const auto take = [&](ActingSet& to) {
-    const auto k = random_.below(static_cast<int>(common.size()));
-    to.push_back(common[static_cast<std::size_t>(k)]);
-    common.erase(common.begin() + k);
-  };
-  take(split ? one : two);
-  if (!split) take(two);
-  const Conditionals beside = view().look(common);
-  const auto with = [&](Acting a) {
-    ActingSet set = common;
-    insert(set, a);
-    return set;
-  };
-  if (split) {
-    const int instead = causeOf(one[0]);
-    two.push_back(drawShape(beside, static_cast<int>(drawFrom(proposals(beside, common, instead)))));
-    const ActingSet first = with(two[0]);
-    const Conditionals next = view().look(first);
-    two.push_back(drawShape(next, static_cast<int>(drawFrom(proposals(next, first, instead)))));
-  } else {
-    ActingSet gone = common;
-    gone.insert(gone.end(), two.begin(), two.end());
-    one.push_back(drawShape(beside, static_cast<int>(drawFrom(proposals(beside, gone, -1)))));
-  }
-  // log probability of two in the place of one, in either order, and of one in the place of two
-  const int instead = causeOf(one[0]);
-  double inOrder[2];
-  for (int k = 0; k < 2; ++k) {
-    const Acting first = two[static_cast<std::size_t>(k)], second = two[static_cast<std::size_t>(1 - k)];
-    const ActingSet set = with(first);
-    const Conditionals next = view().look(set);
-    inOrder[k] = proposals(beside, common, instead)[static_cast<std::size_t>(causeOf(first))] +
-                 logDrawn(beside, first) +
-                 proposals(next, set, instead)[static_cast<std::size_t>(causeOf(second))] +
-                 logDrawn(next, second);
-  }
-  ActingSet gone = common;
-  gone.insert(gone.end(), two.begin(), two.end());
-  const double few = members + (split ? 0.0 : -1.0);  // members of the smaller set
-  const double apart = logAdd(inOrder[0], inOrder[1]) - std::log(few);
-  const double together = proposals(beside, gone, -1)[static_cast<std::size_t>(instead)] +
-                          logDrawn(beside, one[0]) - std::log(few * (few + 1.0) / 2.0);
-  ActingSet to = common;
-  for (const Acting& a : split ? two : one) insert(to, a);
-  Conditionals look = view().look(to);
-  Rates rates = ratesOf(look, to);
-  const double logRatio = view().logDensity(to) + rates.logSum - view().logDensity(set_) - rates_.logSum +
-                          (split ? together - apart : apart - together);
-  if (std::log(1.0 - random_.uniform()) < logRatio) moveTo(std::move(to), std::move(look), std::move(rates));
-}
-
 double PosteriorChain::drawAsMode(const Mode& mode, const ActingSet* was, ActingSet& drawn) {
   drawn = mode.set;
   double log = 0.0;
@@ -328,7 +254,6 @@ void PosteriorChain::run(int steps, std::vector<Visit>* visits) {
   for (int step = 0; step < steps; ++step) {
     if (step % kNoiseEvery == 0) stepNoise();
     if (step % kModeEvery == kModeEvery - 1) stepMode();
-    if (step % kPairEvery == kPairEvery - 1) stepPair();
     if (step % kTogetherEvery == kTogetherEvery / 2) stepTogether();
     if (visits != nullptr) {
       Visit v;

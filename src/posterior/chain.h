@@ -57,8 +57,6 @@ class PosteriorChain {
   Rates ratesOf(const Conditionals& look, const ActingSet& set) const;
   void stepNoise();
   void stepSet();
-  /// One that acts for two others, or two for one: neither of the two need be likely alone.
-  void stepPair();
   void stepMode();
   /// Shapes and sizes of the causes of a mode, drawn one after the other, each beside those drawn and the
   /// mode's other ones. @param was not null: what was drawn. @return log probability of the draw.
@@ -66,7 +64,6 @@ class PosteriorChain {
   /// The noise and one cause drawn together, beside all others: what drift or scatter explains, a cause may
   /// explain instead, and neither can go before the other has come.
   void stepTogether();
-  std::vector<double> proposals(const Conditionals& look, const ActingSet& never, int nor) const;
   double logDrawn(const Conditionals& look, Acting a) const;  // that drawShape gives it
   void moveTo(ActingSet set, Conditionals look, Rates rates);
   int causeOf(Acting a) const;

@@ -70,10 +70,8 @@ Json driftJson(const DriftResult& drift, const Diagnosis& d) {
 }
 
 Json scatterJson(const ArtifactScatter& a, const Diagnosis& d) {
-  const bool angular = d.angular && isOfPositions(a);
-  return {{"what", a.what},
-          {angular ? "std_arcsec" : "std_um", a.std / (angular ? kArcsecond : kMicrometre)},
-          {"in_words", a.inWords}};
+  return jsonObject(
+      {{{"what", a.what}}, figureOf(d.angular && isOfPositions(a), "std", a.std), {{"in_words", a.inWords}}});
 }
 
 Json variationJson(const Variation& v, const Diagnosis& d) {

@@ -90,8 +90,8 @@ std::string artifactText(const Diagnosis& d) {
   if (d.artifactScatter.empty()) return {};
   std::string text = "\nScatter of places\n";
   for (const ArtifactScatter& a : d.artifactScatter)
-    text += entry(a.what,
-                  length(a.std, d.angular && isOfPositions(a)) + (a.inWords.empty() ? "" : ": " + a.inWords));
+    text += entry(a.what, sizeOfScatter(a, d.angular && isOfPositions(a)) +
+                              (a.inWords.empty() ? "" : ": " + a.inWords));
   return text;
 }
 
@@ -214,13 +214,16 @@ std::string cannotShowText(const Diagnosis& d) {
   return text + (more > 0 ? format("  and %zu more (--json lists them)\n", more) : "");
 }
 
+std::string addLine(const EffectSpec& effect, const std::string& session, const std::string& calibration) {
+  return "mm add " + bagsTyped(session) + " --calibration " + quoted(calibration) + " " +
+         quoted(effect.yaml()) + " -o " + quoted(nextName(calibration));
+}
+
 }  // namespace
 
 std::string addCommand(const Diagnosis& d, const std::string& session, const std::string& calibration) {
   const EffectSpec* next = nextToAdd(d);
-  if (next == nullptr) return {};
-  return "mm add " + bagsTyped(session) + " --calibration " + quoted(calibration) + " " +
-         quoted(next->yaml()) + " -o " + quoted(nextName(calibration));
+  return next == nullptr ? std::string() : addLine(*next, session, calibration);
 }
 
 std::string diagnoseCommand(const std::string& session, const std::string& calibration) {
@@ -242,9 +245,9 @@ std::string afterwards(const Diagnosis& d, const std::string& session, const std
   if (d.verdict == Verdict::kExplained && d.variations.empty())
     return "\nType next:\n  mm promote " + quoted(calibration) + "\n";
   if (const ArtifactScatter* of = ofPositions(d); d.verdict == Verdict::kScatter && of != nullptr)
-    return "\nType next:\n  mm add " + bagsTyped(session) + " --calibration " + quoted(calibration) +
-           " '{type: position_table, axis: " + jointOfPositions(*of) + "}' -o " +
-           quoted(nextName(calibration)) + "\n";
+    return "\nType next:\n  " +
+           addLine(EffectSpec("position_table").set("axis", jointOfPositions(*of)), session, calibration) +
+           "\n";
   if (d.verdict == Verdict::kScatter && !repeatabilityKnown(d) && !d.angular)
     return "\nWith the standard deviation, um, of the twenty readings in place of STD:\n  " +
            diagnoseCommand(session, calibration) + " --repeatability-um STD\n";

@@ -206,7 +206,7 @@ TEST(DiagnoseText, DriftArtifactAndInputs) {
   d.drift[1].direction = "y";
   d.drift[1].perhaps = {{growth("y"), 0.3, 0.6}};
   d.drift[1].inWords = "measure the same place at other temperatures";
-  d.artifactScatter = {{"centres", 0.5e-6, {}, "measure the plate again"}};
+  d.artifactScatter = {{"centres", 0.5e-6, {}, "measure the plate again", 0.05e-6}};
   d.missingInputs = {{"direction of travel of x", "from the approach of the contact", {}},
                      {"speed of y", "", {EffectSpec("speed_lag"), backlash("y")}}};
   const std::string text = textOf(d);
@@ -217,7 +217,8 @@ TEST(DiagnoseText, DriftArtifactAndInputs) {
       "    perhaps           thermal growth along y with bed, odds 1 to 2; it would explain 60 % of it\n"))
       << text;
   EXPECT_TRUE(has(text, "    to do             measure the same place at other temperatures\n")) << text;
-  EXPECT_TRUE(has(text, "    centres           0.5 um: measure the plate again\n")) << text;
+  EXPECT_TRUE(has(text, "    centres           0.50 ± 0.10 um RMS (k = 2): measure the plate again\n"))
+      << text;
   EXPECT_TRUE(has(text, "  direction of travel of x: assumed from the approach of the contact\n")) << text;
   EXPECT_TRUE(has(text, "  speed of y: speed lag and backlash of y cannot be excluded without it\n")) << text;
   EXPECT_FALSE(has(text, "mm add")) << text;
