@@ -29,6 +29,17 @@ void insert(ActingSet& set, Acting a) {
 
 }  // namespace
 
+void keepDenser(PlacesMet& met, const std::vector<int>& causes, const Place& place) {
+  Place& kept = met.insert({causes, place}).first->second;
+  if (place.density > kept.density) kept = place;
+}
+
+const Place& densestOf(const PlacesMet& met) {
+  return std::max_element(met.begin(), met.end(),
+                          [](const auto& a, const auto& b) { return a.second.density < b.second.density; })
+      ->second;
+}
+
 PosteriorChain::PosteriorChain(const PosteriorProblem& problem, const NoisePool& pool,
                                std::size_t firstFitted, std::uint64_t seed, int number, int noise,
                                ActingSet set)
@@ -52,6 +63,12 @@ int PosteriorChain::memberOf(const ActingSet& set, int cause) const {
   for (std::size_t k = 0; k < set.size(); ++k)
     if (causeOf(set[k]) == cause) return static_cast<int>(k);
   return -1;
+}
+
+std::vector<int> PosteriorChain::causesOf(const ActingSet& set) const {
+  std::vector<int> causes;
+  for (const Acting& a : set) causes.push_back(causeOf(a));
+  return causes;
 }
 
 PosteriorChain::Rates PosteriorChain::ratesOf(const Conditionals& look, const ActingSet& set) const {
@@ -103,13 +120,7 @@ void PosteriorChain::moveTo(ActingSet set, Conditionals look, Rates rates) {
   remember();
 }
 
-void PosteriorChain::remember() {
-  const double density = view().logDensity(set_);
-  if (density <= bestDensity_) return;
-  bestDensity_ = density;
-  best_ = set_;
-  bestNoise_ = noise_;
-}
+void PosteriorChain::remember() { keepDenser(met_, causesOf(set_), {view().logDensity(set_), noise_, set_}); }
 
 void PosteriorChain::stepSet() {
   if (rates_.logRate.empty()) return;
@@ -153,38 +164,49 @@ double PosteriorChain::logDrawn(const Conditionals& look, Acting a) const {
   return look.logWeights(a.shape, a.size) - look.logOdds[static_cast<std::size_t>(causeOf(a))];
 }
 
-double PosteriorChain::drawAsMode(const Mode& mode, const ActingSet* was, ActingSet& drawn) {
-  drawn = mode.set;
+double PosteriorChain::drawAsMode(const Mode& mode, const NoiseView& noise, const ActingSet* was,
+                                  ActingSet& drawn) {
+  for (const Acting& a : mode.set) insert(drawn, a);
   double log = 0.0;
-  for (std::size_t k = 0; k < drawn.size(); ++k) {
-    const Conditionals look = pool_[static_cast<std::size_t>(mode.noise)]->look(drawn);
-    drawn[k] = was != nullptr ? (*was)[k] : drawShape(look, causeOf(drawn[k]));
-    log += logDrawn(look, drawn[k]);
+  for (const Acting& a : mode.set) {
+    const int cause = causeOf(a);
+    const Conditionals look = noise.look(drawn);
+    const Acting now =
+        was != nullptr ? (*was)[static_cast<std::size_t>(memberOf(*was, cause))] : drawShape(look, cause);
+    drawn.erase(drawn.begin() + memberOf(drawn, cause));
+    insert(drawn, now);
+    log += logDrawn(look, now);
   }
   return log;
 }
 
 void PosteriorChain::stepMode() {
-  const auto isHere = [&](const Mode& mode) {
-    return mode.noise == noise_ &&
-           std::equal(mode.set.begin(), mode.set.end(), set_.begin(), set_.end(),
-                      [&](const Acting& a, const Acting& b) { return causeOf(a) == causeOf(b); });
-  };
-  const auto here = std::find_if(modes_.begin(), modes_.end(), isHere);
-  if (modes_.size() < 2 || here == modes_.end()) return;
-  const auto from = static_cast<int>(here - modes_.begin());
+  if (modes_.size() < 2) return;
+  const auto from = random_.below(static_cast<int>(modes_.size()));
   int other = random_.below(static_cast<int>(modes_.size()) - 1);
   if (other >= from) ++other;
+  const Mode& here = modes_[static_cast<std::size_t>(from)];
   const Mode& mode = modes_[static_cast<std::size_t>(other)];
-  const NoiseView& noise = *pool_[static_cast<std::size_t>(mode.noise)];
-  ActingSet to, same;
-  const double there = drawAsMode(mode, nullptr, to), back = drawAsMode(*here, &set_, same);
+  ActingSet beside = set_;
+  for (const Acting& a : here.set) {
+    const int member = memberOf(beside, causeOf(a));
+    if (member < 0) return;
+    beside.erase(beside.begin() + member);
+  }
+  for (const Acting& a : mode.set)
+    if (memberOf(beside, causeOf(a)) >= 0) return;
+  if (beside.size() + mode.set.size() > kMostActing) return;
+  const std::size_t drawn = drawFrom(mode.logNoise);
+  const NoiseView& noise = *pool_[drawn];
+  ActingSet to = beside, same = beside;
+  const double there = mode.logNoise[drawn] + drawAsMode(mode, noise, nullptr, to);
+  const double back = here.logNoise[static_cast<std::size_t>(noise_)] + drawAsMode(here, view(), &set_, same);
   Conditionals look = noise.look(to);
   Rates rates = ratesOf(look, to);
   const double logRatio =
       noise.logDensity(to) + rates.logSum + back - view().logDensity(set_) - rates_.logSum - there;
   if (std::log(1.0 - random_.uniform()) >= logRatio) return;
-  noise_ = mode.noise;
+  noise_ = static_cast<int>(drawn);
   moveTo(std::move(to), std::move(look), std::move(rates));
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -20,10 +21,23 @@ struct Visit {
   std::vector<int> acting;  // causes of the set, those that are more than a part of another
 };
 
-/// A place of great density.
+/// A state that a chain met, and its log density.
+struct Place {
+  double density = 0.0;
+  int noise = 0;  // of the pool
+  ActingSet set;
+};
+
+/// Of each set of causes the densest state.
+using PlacesMet = std::map<std::vector<int>, Place>;
+/// Keeps a state where it is the densest of its causes.
+void keepDenser(PlacesMet& met, const std::vector<int>& causes, const Place& place);
+const Place& densestOf(const PlacesMet& met);  ///< @param met not empty
+
+/// A set of causes to which chains jump.
 struct Mode {
   ActingSet set;
-  int noise = 0;  // of the pool
+  std::vector<double> logNoise;  // log probability of each state of the pool beside the set
 };
 
 /// Tempered Gibbs sampling over sets of causes (Zanella & Roberts, J. R. Stat. Soc. B 81 (2019)): causes
@@ -37,17 +51,16 @@ class PosteriorChain {
   PosteriorChain(const PosteriorProblem& problem, const NoisePool& pool, std::size_t firstFitted,
                  std::uint64_t seed, int number, int noise = 0, ActingSet set = {});
 
-  /// Modes, no two of the same causes, between which the chain jumps: what explains a session as well by
-  /// other causes and another noise is not reached by exchanging one after the other.
+  /// Modes, no two of the same causes, between which the chain jumps, whatever acts beside them: what
+  /// explains a session as well by other causes and another noise is not reached by exchanging one after the
+  /// other.
   void setModes(std::vector<Mode> modes) { modes_ = std::move(modes); }
   /// Goes on from another state.
   void beginAt(int noise, ActingSet set);
   /// @param visits those of these steps are added; null: they are not kept.
   void run(int steps, std::vector<Visit>* visits);
-  /// The densest state that it met: set and noise.
-  const ActingSet& best() const { return best_; }
-  int bestNoise() const { return bestNoise_; }
-  double bestDensity() const { return bestDensity_; }
+  const PlacesMet& met() const { return met_; }
+  const Place& best() const { return densestOf(met_); }  ///< the densest state that it met
 
  private:
   struct Rates {                  // of the moves from a state
@@ -58,9 +71,10 @@ class PosteriorChain {
   void stepNoise();
   void stepSet();
   void stepMode();
-  /// Shapes and sizes of the causes of a mode, drawn one after the other, each beside those drawn and the
-  /// mode's other ones. @param was not null: what was drawn. @return log probability of the draw.
-  double drawAsMode(const Mode& mode, const ActingSet* was, ActingSet& drawn);
+  /// Shapes and sizes of the causes of a mode, drawn one after the other, each beside those drawn, the mode's
+  /// other ones and the others of the set. @param drawn those others; gets those of the mode. @param was not
+  /// null: what was drawn. @return log probability of the draw.
+  double drawAsMode(const Mode& mode, const NoiseView& noise, const ActingSet* was, ActingSet& drawn);
   /// The noise and one cause drawn together, beside all others: what drift or scatter explains, a cause may
   /// explain instead, and neither can go before the other has come.
   void stepTogether();
@@ -72,6 +86,7 @@ class PosteriorChain {
   std::size_t drawFrom(const std::vector<double>& logWeights);
   const NoiseView& view() const { return *pool_[static_cast<std::size_t>(noise_)]; }
   void remember();
+  std::vector<int> causesOf(const ActingSet& set) const;
   std::vector<double> sizesOfMembers() const;
   /// Log odds of a cause as a part of others that act, against its absence.
   double logPartOf(int cause, const std::vector<double>& sizes) const;
@@ -85,9 +100,7 @@ class PosteriorChain {
   Conditionals look_;
   Rates rates_;
   std::vector<Mode> modes_;
-  ActingSet best_;
-  double bestDensity_ = -1e300;
-  int bestNoise_ = 0;
+  PlacesMet met_;
 };
 
 }  // namespace mm

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "base/parallel.h"
 
 namespace mm {
 namespace {
 
-constexpr double kFarBehind = 7.0;     // nats, 1000 to 1
+constexpr double kFarBehind = 7.0;  // nats, 1000 to 1
+constexpr std::size_t kMostModes = 40;
 constexpr double kWorthAChain = 20.0;  // nats that a start may be behind: its noise and sizes are not its own
 
 class Sampler {
@@ -39,17 +39,17 @@ class Sampler {
     }
     advance(options_.warmUp, false);
     leaveWhatIsFarBehind();
-    const std::vector<Mode> modes = this->modes(plain);
-    for (PosteriorChain& c : chains_) c.setModes(modes);
+    meetTheOtherStarts(plain);
     PosteriorSample out;
-    for (int round = 0; round < options_.mostRounds; ++round) {
+    for (int round = 0; round < options_.mostRounds && !out.settled; ++round) {
+      if ((round & (round - 1)) == 0) setModes();  // again where as much again was drawn
       advance(options_.steps, true);
       read(out);
-      if (out.settled) break;
     }
     out.pool = pool_;
-    out.best = densestChain().best();
-    out.bestNoise = densestChain().bestNoise();
+    meetWhatChainsMet(chains_);
+    out.best = densestOf(met_).set;
+    out.bestNoise = densestOf(met_).noise;
     return out;
   }
 
@@ -72,56 +72,64 @@ class Sampler {
     return best;
   }
 
-  const PosteriorChain& densestChain() const {
-    return *std::max_element(
-        chains_.begin(), chains_.end(),
-        [](const PosteriorChain& a, const PosteriorChain& b) { return a.bestDensity() < b.bestDensity(); });
-  }
-
   /// A chain that has met nothing nearly as dense as another has not come to where the posterior is: it
   /// begins there again.
   void leaveWhatIsFarBehind() {
-    const PosteriorChain& densest = densestChain();
-    const ActingSet set = densest.best();
-    const int noise = densest.bestNoise();
-    const double least = densest.bestDensity() - kFarBehind;
+    meetWhatChainsMet(chains_);
+    const Place& densest = densestOf(met_);
     for (PosteriorChain& c : chains_)
-      if (c.bestDensity() < least) c.beginAt(noise, set);
+      if (c.best().density < densest.density - kFarBehind) c.beginAt(densest.noise, densest.set);
   }
 
-  std::vector<int> causesOf(const ActingSet& set) const {
-    std::vector<int> causes;
-    for (const Acting& a : set) causes.push_back(problem_.shapes[static_cast<std::size_t>(a.shape)].cause);
-    return causes;
+  void meetWhatChainsMet(const std::vector<PosteriorChain>& chains) {
+    for (const PosteriorChain& c : chains)
+      for (const auto& [causes, place] : c.met()) keepDenser(met_, causes, place);
   }
 
-  /// Where the chains are, and where those that began at the other starts would be.
-  std::vector<Mode> modes(std::size_t plain) const {
-    const double most = densestChain().bestDensity();
-    std::vector<PosteriorChain> ends = chains_;
-    std::set<std::vector<int>> known;
-    for (const PosteriorChain& c : chains_) known.insert(causesOf(c.best()));
+  /// What chains that began at the other starts would meet.
+  void meetTheOtherStarts(std::size_t plain) {
+    const double least = densestOf(met_).density - kWorthAChain;
+    std::vector<PosteriorChain> chains;
     for (const PosteriorStart& s : options_.starts) {
       const std::size_t noise = densest(s.set);
-      if (pool_[noise]->logDensity(s.set) < most - kWorthAChain || !known.insert(causesOf(s.set)).second)
-        continue;
-      ends.emplace_back(problem_, pool_, plain, options_.seed, static_cast<int>(ends.size()),
-                        static_cast<int>(noise), s.set);
+      if (pool_[noise]->logDensity(s.set) < least) continue;
+      const int number = static_cast<int>(chains_.size() + chains.size());
+      chains.emplace_back(problem_, pool_, plain, options_.seed, number, static_cast<int>(noise), s.set);
     }
-    const std::size_t own = chains_.size();
-    parallelFor(ends.size() - own, [&](std::size_t c) { ends[own + c].run(options_.warmUp, nullptr); });
-    known.clear();
+    parallelFor(chains.size(), [&](std::size_t c) { chains[c].run(options_.warmUp, nullptr); });
+    meetWhatChainsMet(chains);
+  }
+
+  /// Chains jump between the densest sets that any of them has met.
+  void setModes() {
+    meetWhatChainsMet(chains_);
+    std::vector<Place> places;
+    for (const auto& [causes, place] : met_) places.push_back(place);
+    std::stable_sort(places.begin(), places.end(),
+                     [](const Place& a, const Place& b) { return a.density > b.density; });
     std::vector<Mode> modes;
-    for (const PosteriorChain& end : ends)
-      if (end.bestDensity() > most - kFarBehind && known.insert(causesOf(end.best())).second)
-        modes.push_back({end.best(), end.bestNoise()});
-    return modes;
+    for (const Place& place : places)
+      if (modes.size() < kMostModes && place.density > places.front().density - kFarBehind)
+        modes.push_back({place.set, logNoiseBeside(place.set)});
+    for (PosteriorChain& c : chains_) c.setModes(modes);
+  }
+
+  /// Log probability of each state of the pool beside a set.
+  std::vector<double> logNoiseBeside(const ActingSet& set) const {
+    std::vector<double> log;
+    for (const auto& view : pool_) log.push_back(view->logDensity(set));
+    const double sum =
+        logSumExp(Eigen::Map<const Eigen::ArrayXd>(log.data(), static_cast<Eigen::Index>(log.size())));
+    for (double& density : log) density -= sum;
+    return log;
   }
 
   void fitBesideWhatWasFound() {
     std::vector<NoiseState> fitted(chains_.size());
-    for (std::size_t c = 0; c < chains_.size(); ++c)
-      fitted[c] = fittedBeside(problem_, chains_[c].best(), pool_[densest(chains_[c].best())]->state());
+    for (std::size_t c = 0; c < chains_.size(); ++c) {
+      const ActingSet& set = chains_[c].best().set;
+      fitted[c] = fittedBeside(problem_, set, pool_[densest(set)]->state());
+    }
     for (NoiseState& s : fitted) addFitted(std::move(s));
   }
 
@@ -169,6 +177,7 @@ class Sampler {
   NoisePool pool_;
   std::vector<PosteriorChain> chains_;
   std::vector<std::vector<Visit>> visits_;
+  PlacesMet met_;  // by any chain
 };
 
 }  // namespace

@@ -13,11 +13,11 @@ struct PosteriorStart {
 };
 
 struct SampleOptions {
-  int chains = 2;      // beside each other
-  int warmUp = 25;     // steps before each fit of the noise beside what was found
-  int fits = 2;        // of the noise beside what was found
-  int steps = 120;     // of a chain, that are read
-  int mostRounds = 8;  // of so many steps, until the chains agree
+  int chains = 2;       // beside each other
+  int warmUp = 25;      // steps before each fit of the noise beside what was found
+  int fits = 2;         // of the noise beside what was found
+  int steps = 120;      // of a chain, that are read
+  int mostRounds = 32;  // of so many steps, until the chains agree
   std::uint64_t seed = 1;
   std::vector<PosteriorStart> starts;  // chains begin at the last ones; of none: where nothing acts
 };

@@ -97,7 +97,8 @@ TEST(NoiseView, ACauseWhoseEvidenceIsNoNumberEndsTheSample) {
 }
 
 TEST(PosteriorChain, ItsSamplesAreThoseOfThePosterior) {
-  const std::vector<Mode> modes = {{{{0, 3}}, 0}, {{{2, 5}}, 1}, {{{0, 4}, {3, 6}}, 0}};
+  const std::vector<double> often = {std::log(0.8), std::log(0.2)}, seldom = {std::log(0.3), std::log(0.7)};
+  const std::vector<Mode> modes = {{{{0, 3}}, often}, {{{2, 5}}, seldom}, {{{0, 4}, {3, 6}}, often}};
   for (const unsigned seed : {1u, 2u, 5u, 8u}) {
     const SmallProblem small(seed, 0.35);
     const NoisePool pool = {std::make_shared<NoiseView>(small.problem, small.plain()),
@@ -146,7 +147,7 @@ TEST(PosteriorChain, JumpsBetweenSetsThatDoTheSameTogether) {
   ASSERT_GT(std::min(exact.inclusion[0], exact.inclusion[2]), 0.1) << "both pairs are likely";
   const ActingSet one = {{0, 9}, {1, 9}}, other = {{2, 9}, {3, 9}};
   PosteriorChain chain(problem, pool, 0, 1, 0, 0, one);
-  chain.setModes({{one, 0}, {other, 0}});
+  chain.setModes({{one, {0.0}}, {other, {0.0}}});
   std::vector<Visit> visits;
   chain.run(2000, &visits);
   double sum = 0.0;
