@@ -15,6 +15,7 @@ namespace {
 constexpr double kDeclaredFreedoms = 8.0;  // of a repeatability that somebody stated: good to a quarter
 constexpr double kExpected = 1.0;          // causes that act in a session, before it is seen
 constexpr double kPossibleSize = -4.6;     // log probability, one in a hundred, that a size obeys its law
+constexpr double kLikelierThanNot = 0.5;   // share of what a curve may be, from which it has a name
 constexpr double kAlone = 0.97;            // share of its slot from which a leader has no rivals
 
 /// Whether the size of a law beside others is one that it can have.
@@ -60,9 +61,11 @@ std::vector<CurveName> nameCurves(const Search& search, const Evidence& evidence
         !(explained(evidence.gainOf(given, others, *law.columns).value) >
           kMostOfIt * explained(evidence.gainOf(given, others, *found[j].columns).value)))
       continue;
-    members.push_back(name);
     const Eigen::Map<const Eigen::ArrayXd> all(logOdds.data(), static_cast<Eigen::Index>(logOdds.size()));
-    names.push_back({found[j].group, gain.group, std::exp(*best - logSumExp(all))});
+    const double share = std::exp(*best - logSumExp(all));
+    if (share < kLikelierThanNot) continue;
+    members.push_back(name);
+    names.push_back({found[j].group, gain.group, share});
   }
   return names;
 }
@@ -179,6 +182,8 @@ PosteriorAnswer answerOf(const Questions& q, const PosteriorProblem& problem, Po
   const NoiseState& noise =
       (*std::max_element(out.sample.pool.begin(), out.sample.pool.end(), densest))->state();
   out.found = explanationOf(q, problem, named, noise, &out.curveNames);
+  for (CurveName& name : out.curveNames)
+    name.probability *= out.sample.inclusion[static_cast<std::size_t>(name.curve)];
   return out;
 }
 
@@ -241,8 +246,7 @@ void takeOdds(const Questions& q, const PosteriorAnswer& answer, Diagnosis& out)
     for (const CurveName& name : answer.curveNames)
       if (causeOf(*createEffect(r.effect, domain)) ==
           q.groups.groups[static_cast<std::size_t>(name.cause)].key)
-        r.odds =
-            odds(answer.sample, name.share * answer.sample.inclusion[static_cast<std::size_t>(name.curve)]);
+        r.odds = odds(answer.sample, name.probability);
   for (ProfileResult& p : out.profiles) {
     const std::string key = causeOf(*createEffect(p.effect, domain));
     for (std::size_t g = 0; g < answer.sample.inclusion.size(); ++g)

@@ -8,7 +8,9 @@ namespace mm {
 /// A cause with a name that explains nearly all that a curve does.
 struct CurveName {
   int curve = -1, cause = -1;  // groups of the questions
-  double share = 0.0;          // probability that it is this one, where one in the catalogue does
+  /// That the curve is there, and that it is this one where one in the catalogue does; whether the curve
+  /// predicts anything beside it says nothing of it.
+  double probability = 0.0;
 };
 
 /// What the posterior over sets of causes says of a session.

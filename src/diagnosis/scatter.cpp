@@ -4,6 +4,7 @@
 #include <boost/math/special_functions/spherical_harmonic.hpp>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "base/dense.h"
 #include "base/units.h"
@@ -96,27 +97,32 @@ double datumSize(const ResidualSpace& space, const RowMatrix& whitened) {
 void addPositions(Questions& q) {
   // positions: of fewer a smooth curve is met as well as one value each, and tells more; more cost too much
   constexpr int kFewest = 20, kMost = 150;
+  constexpr double kNoGradient = 1e-9;  // m/rad, of 1 along the axis itself
   const ResidualSpace& space = *q.space;
   const Problem& problem = space.problem();
   const ErrorLayout layout = problem.model().machine().layout();
   const Eigen::MatrixXd& g = space.linearisation().slotGradients();
   for (int joint = 0; joint < problem.session().machine.jointCount(); ++joint) {
     const std::vector<int> numbers = positionNumbers(problem, joint);
+    const auto gradient = [&](int row) { return g(row, layout.axis(joint)); };
     std::map<int, int> columnOf;  // of a position
     std::vector<int> read;
+    std::set<int> observations;  // of which the joint is a part, whatever rows they have
     for (const int row : space.used()) {
       const int o = problem.rows()[row].observation;
       const ObservationKind kind = problem.session().observations[o].kind;
       if (kind != ObservationKind::kDeviation && kind != ObservationKind::kPosition) continue;
+      if (std::abs(gradient(row)) < kNoGradient) continue;
       columnOf.emplace(numbers[o], static_cast<int>(columnOf.size()));
       read.push_back(row);
+      observations.insert(o);
     }
     const auto positions = static_cast<int>(columnOf.size());
-    if (positions < kFewest || positions > kMost || read.size() < 2 * columnOf.size()) continue;
+    if (positions < kFewest || positions > kMost || observations.size() < 2 * columnOf.size()) continue;
     Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(problem.rowCount(), positions);
     for (const int row : read)
       columns(row, columnOf.at(numbers[problem.rows()[row].observation])) =
-          (q.directionScale.empty() ? 1.0 : space.fitted().sigma[row]) * g(row, layout.axis(joint));
+          (q.directionScale.empty() ? 1.0 : space.fitted().sigma[row]) * gradient(row);
     RowMatrix whitened = space.whiten(columns);
     if (!(space.leftOf(whitened).norm() > kPositionsSeen * whitened.norm())) continue;
     q.scatter.push_back({std::move(whitened), 0.0, kPrice, false});

@@ -290,6 +290,25 @@ TEST(LocalError, AReversalValueIsNoJumpWhereTheFirstDirectionIsNotKnown) {
   }
 }
 
+// A tracker reads 40 places once each, along y worse than across: what three axes read at one place is no
+// reading again of the place of one.
+TEST(LocalError, AReadingOfThreeAxesIsOneReadingOfAPlace) {
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    Session session = sessionOf(1e-6);
+    RandomNumbers random(seed);
+    for (int i = 0; i < 40; ++i) {
+      Observation o = deviationAt(0.0, 1.0, 20.0 * i, 0.0);
+      for (double& place : o.position) place = random.uniform(-0.2, 0.2);
+      o.velocity.assign(3, kNotMeasured);
+      for (const int joint : {0, 1, 2}) o.deviation[joint] = random.normal(joint == 1 ? 4e-6 : 1e-6);
+      session.observations.push_back(o);
+    }
+    const Diagnosis d = diagnosisOf(std::move(session));
+    for (const ArtifactScatter& s : d.artifactScatter) EXPECT_FALSE(isOfPositions(s)) << s.what << seed;
+    EXPECT_TRUE(d.missing.empty()) << told(d) << seed;
+  }
+}
+
 TEST(LocalError, NothingIsNothing) {
   for (const int targets : {21, 41})
     for (int seed = 1; seed <= seeds(); ++seed) {
