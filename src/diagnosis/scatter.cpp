@@ -4,7 +4,6 @@
 #include <boost/math/special_functions/spherical_harmonic.hpp>
 #include <cmath>
 #include <map>
-#include <set>
 
 #include "base/dense.h"
 #include "base/units.h"
@@ -107,7 +106,7 @@ void addPositions(Questions& q) {
     const auto gradient = [&](int row) { return g(row, layout.axis(joint)); };
     std::map<int, int> columnOf;  // of a position
     std::vector<int> read;
-    std::set<int> observations;  // of which the joint is a part, whatever rows they have
+    int visits = 0, at = -1;  // readings one after the other at one position share all else, too
     for (const int row : space.used()) {
       const int o = problem.rows()[row].observation;
       const ObservationKind kind = problem.session().observations[o].kind;
@@ -115,10 +114,12 @@ void addPositions(Questions& q) {
       if (std::abs(gradient(row)) < kNoGradient) continue;
       columnOf.emplace(numbers[o], static_cast<int>(columnOf.size()));
       read.push_back(row);
-      observations.insert(o);
+      if (numbers[o] != at) ++visits;
+      at = numbers[o];
     }
     const auto positions = static_cast<int>(columnOf.size());
-    if (positions < kFewest || positions > kMost || observations.size() < 2 * columnOf.size()) continue;
+    // each again, but that of a reversal
+    if (positions < kFewest || positions > kMost || visits < 2 * positions - 1) continue;
     Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(problem.rowCount(), positions);
     for (const int row : read)
       columns(row, columnOf.at(numbers[problem.rows()[row].observation])) =

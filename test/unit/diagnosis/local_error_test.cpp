@@ -309,6 +309,24 @@ TEST(LocalError, AReadingOfThreeAxesIsOneReadingOfAPlace) {
   }
 }
 
+// Each place is read three times before the next: what the three share is of the time as well as of the
+// place.
+TEST(LocalError, ReadingsOneAfterTheOtherAreOneVisit) {
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    Session session = sessionOf(1e-6);
+    RandomNumbers random(seed);
+    for (int i = 0; i < 40; ++i) {
+      const double x = random.uniform(-200.0, 200.0), shared = random.normal(4.0);
+      for (int again = 0; again < 3; ++again)
+        session.observations.push_back(
+            deviationAt(x, kNotMeasured, 60.0 * i + again, shared + random.normal(1.0)));
+    }
+    const Diagnosis d = diagnosisOf(std::move(session));
+    for (const ArtifactScatter& s : d.artifactScatter) EXPECT_FALSE(isOfPositions(s)) << s.what << seed;
+    EXPECT_TRUE(d.missing.empty()) << told(d) << seed;
+  }
+}
+
 TEST(LocalError, NothingIsNothing) {
   for (const int targets : {21, 41})
     for (int seed = 1; seed <= seeds(); ++seed) {
