@@ -20,12 +20,19 @@ TEST(CoarseReadings, AScaleKeepsItsOdds) {
       mmRun(work, "calibrate " + session + " --model " + model + " -o " + fit + " --method least_squares")
           .status,
       0);
-  const Answer answer = mmRun(work, "diagnose " + session + " --calibration " + fit + " --json");
-  ASSERT_EQ(answer.status, 0) << answer.error;
-  const nlohmann::json d = answer.json();
-  ASSERT_FALSE(d["missing"].empty()) << d["sentence"];
-  EXPECT_EQ(d["missing"][0]["effect"]["type"], "scale") << d["sentence"];
-  EXPECT_GT(d["missing"][0]["odds"].get<double>(), 0.4) << d["sentence"];
+  int named = 0;
+  for (const char* seed : {"1", "2", "3"}) {
+    const Answer answer =
+        mmRun(work, "diagnose " + session + " --calibration " + fit + " --json --seed " + seed);
+    ASSERT_EQ(answer.status, 0) << answer.error;
+    const nlohmann::json d = answer.json();
+    for (const auto& m : d["missing"]) {
+      EXPECT_EQ(m["effect"]["type"], "scale") << d["sentence"];
+      EXPECT_GT(m["odds"].get<double>(), 0.4) << d["sentence"];
+      ++named;
+    }
+  }
+  EXPECT_GT(named, 0);  // it, or its curve: that one of them acts is just so sure that one is named
 }
 
 }  // namespace
