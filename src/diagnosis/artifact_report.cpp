@@ -6,6 +6,7 @@
 #include "base/units.h"
 #include "diagnosis/answers.h"
 #include "diagnosis/wording.h"
+#include "effects/registry.h"
 
 namespace mm {
 namespace {
@@ -107,8 +108,10 @@ void fillScatter(const Search& search, const Explanation& found, double unit, Di
         const Domain& domain = q.space->problem().model().domain();
         const int joint = domain.findJoint(jointOfPositions(s));
         s.where = largestOf(search, found, b, domain.joints[static_cast<std::size_t>(joint)], joint, unit);
+        if (!domain.positions[static_cast<std::size_t>(joint)].empty())
+          s.correctedBy = effectOfEachPosition(jointOfPositions(s));
         s.inWords = "the error of " + jointOfPositions(s) + " differs from position to position, most by " +
-                    s.where + ", the same in each run: " + kErrorsOfPositions;
+                    s.where + ", the same in each run: " + errorsOfPositions(s);
         out.artifactScatter.push_back(std::move(s));
       }
       continue;

@@ -106,7 +106,8 @@ struct ArtifactScatter {
   double std = 0.0;   // m (rad)
   std::string where;  // of positions: the largest, "-4.7 ± 0.4 um (k = 2) at 212 mm"
   std::string inWords;
-  double stdStd = 0.0;  // of a standard deviation of so many, its standard uncertainty; 0: not stated
+  double stdStd = 0.0;          // of a standard deviation of so many, its standard uncertainty; 0: not stated
+  EffectSpec correctedBy = {};  // of positions: the effect that holds them; no type: they are too many for it
 };
 
 /// Whether it is that of an axis from position to position, and of which.

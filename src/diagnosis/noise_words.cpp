@@ -68,6 +68,13 @@ std::string sizeOfScatter(const ArtifactScatter& scatter, bool angular) {
                              nameOfUnit(angular) + " RMS"));
 }
 
+std::string errorsOfPositions(const ArtifactScatter& scatter) {
+  const std::string& table = scatter.correctedBy.type;
+  return "graduation errors of its scale, or errors that change within less than these distances; " +
+         (table.empty() ? "there are too many for a table: measure at 64 or fewer"
+                        : "correct them by a " + table + ", or measure at positions closer together");
+}
+
 std::string scatterSentence(const Diagnosis& d) {
   const std::string nothing = nothingLeft(d);
   if (const ArtifactScatter* of = beyondTheFile(d)) return artifactSentence(d, *of);
@@ -75,7 +82,7 @@ std::string scatterSentence(const Diagnosis& d) {
     return nothing + (positive(d.noise) ? " in the noise of " + noiseWords(d) : std::string()) +
            ", but the error of " + jointOfPositions(*of) + " differs by " + sizeOfScatter(*of, d.angular) +
            " from position to position, most by " + of->where +
-           ", the same in each run: " + kErrorsOfPositions + ".";
+           ", the same in each run: " + errorsOfPositions(*of) + ".";
   if (const DriftResult* of = beyondTheRepeatability(d))
     return nothing + ", but " + scatterInWords(d, *of) + ", " +
            shortNumber(of->quickStd / d.base.repeatability) + " times the repeatability of " +

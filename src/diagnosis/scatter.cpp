@@ -96,7 +96,7 @@ double datumSize(const ResidualSpace& space, const RowMatrix& whitened) {
 void addPositions(Questions& q) {
   // positions: of fewer a smooth curve is met as well as one value each, and tells more; more cost too much
   constexpr int kFewest = 20, kMost = 150;
-  constexpr double kNoGradient = 1e-9;  // m/rad, of 1 along the axis itself
+  constexpr double kNoGradient = 1e-9;  // of a row by the error of a joint, m/m or m/rad: it lies across
   const ResidualSpace& space = *q.space;
   const Problem& problem = space.problem();
   const ErrorLayout layout = problem.model().machine().layout();

@@ -17,9 +17,7 @@ std::string sentenceOf(const Diagnosis& diagnosis);
 std::string sizeOfScatter(const ArtifactScatter& scatter, bool angular);
 
 /// What differs from position to position, and what to do.
-constexpr const char* kErrorsOfPositions =
-    "graduation errors of its scale, or errors that change within less than these distances; correct them by "
-    "a position_table, or measure at positions closer together";
+std::string errorsOfPositions(const ArtifactScatter& scatter);
 
 /// Its first letter a capital.
 std::string capitalized(std::string text);

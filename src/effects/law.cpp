@@ -53,6 +53,7 @@ EffectType lawType(LawRow row) {
   };
   type.examples = row.examples;
   type.composite = !row.examples.empty();
+  type.valueOfEachPosition = row.valueOfEachPosition;
   type.candidates = [](const Domain&) { return std::vector<EffectSpec>(); };
   if (type.composite) return type;
   type.members = [name = row.type, values = row.values](const Domain& domain) {

@@ -43,6 +43,7 @@ struct LawRow {
   std::function<bool(const EffectSpec&, const Domain&)> where;  // … for which this holds; empty: all
   std::function<Law(SpecReader&)> law;
   std::vector<EffectSpec> examples = {};  ///< of a composite, for the catalogue; empty: a diagnosis tries it
+  bool valueOfEachPosition = false;       ///< see EffectType
 };
 
 /// The row of what no diagnosis tries. @param examples at least one.

@@ -119,9 +119,12 @@ Law straightnessTable(SpecReader& read) {
 
 std::vector<LawRow> lawsOfTables() {
   const EffectSpec position("position_table"), straightness("straightness_table");
-  return {
+  LawRow ofPositions =
       compositeRow({"axis"}, positionTable,
-                   {EffectSpec(position).set("axis", "x"), EffectSpec(position).set("axis", "b")}),
+                   {EffectSpec(position).set("axis", "x"), EffectSpec(position).set("axis", "b")});
+  ofPositions.valueOfEachPosition = true;
+  return {
+      std::move(ofPositions),
       compositeRow({"axis", "direction", "knots"}, straightnessTable,
                    {EffectSpec(straightness).set("axis", "x").set("direction", "y"),
                     EffectSpec(straightness).set("axis", "a").set("direction", "b")}),

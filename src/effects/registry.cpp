@@ -38,6 +38,12 @@ std::vector<EffectType>& registry() {
 
 const std::vector<EffectType>& effectRegistry() { return registry(); }
 
+EffectSpec effectOfEachPosition(const std::string& joint) {
+  const auto type = std::find_if(registry().begin(), registry().end(),
+                                 [](const EffectType& t) { return t.valueOfEachPosition; });
+  return EffectSpec(type->type).set(type->keys.front(), joint);
+}
+
 std::string presentType(const std::string& type) { return type == "cross_talk" ? "squareness" : type; }
 
 void registerEffectType(EffectType type) {

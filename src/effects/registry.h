@@ -22,10 +22,14 @@ struct EffectType {
   /// For the catalogue, where `candidates` are none or do not show every key: on a machine with linear joints
   /// x, y, z and rotary ones b, a.
   std::vector<EffectSpec> examples = {};
+  bool valueOfEachPosition = false;  ///< it has one of its own, of the joint that its first key names
 };
 
 /// The catalogue, in its fixed order: one line an effect (registry.cpp).
 const std::vector<EffectType>& effectRegistry();
+
+/// The effect that has a value of its own at each position of a joint.
+EffectSpec effectOfEachPosition(const std::string& joint);
 
 /// Adds a type at run time (a user's plugin). @throw InputError when the name is taken.
 void registerEffectType(EffectType type);

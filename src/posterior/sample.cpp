@@ -8,8 +8,8 @@
 namespace mm {
 namespace {
 
-constexpr double kFarBehind = 7.0;  // nats, 1000 to 1
-constexpr std::size_t kMostModes = 40;
+constexpr double kFarBehind = 7.0;      // nats, 1000 to 1
+constexpr std::size_t kMostModes = 40;  // more are met less often than they cost
 constexpr double kWorthAChain = 20.0;  // nats that a start may be behind: its noise and sizes are not its own
 
 class Sampler {

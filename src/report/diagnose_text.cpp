@@ -244,10 +244,9 @@ std::string afterwards(const Diagnosis& d, const std::string& session, const std
     return "\nType next, to see what the session can show:\n  mm check " + bagsTyped(session) + "\n";
   if (d.verdict == Verdict::kExplained && d.variations.empty())
     return "\nType next:\n  mm promote " + quoted(calibration) + "\n";
-  if (const ArtifactScatter* of = ofPositions(d); d.verdict == Verdict::kScatter && of != nullptr)
-    return "\nType next:\n  " +
-           addLine(EffectSpec("position_table").set("axis", jointOfPositions(*of)), session, calibration) +
-           "\n";
+  if (const ArtifactScatter* of = ofPositions(d);
+      d.verdict == Verdict::kScatter && of != nullptr && !of->correctedBy.type.empty())
+    return "\nType next:\n  " + addLine(of->correctedBy, session, calibration) + "\n";
   if (d.verdict == Verdict::kScatter && !repeatabilityKnown(d) && !d.angular)
     return "\nWith the standard deviation, um, of the twenty readings in place of STD:\n  " +
            diagnoseCommand(session, calibration) + " --repeatability-um STD\n";

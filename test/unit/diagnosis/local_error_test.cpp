@@ -327,6 +327,24 @@ TEST(LocalError, ReadingsOneAfterTheOtherAreOneVisit) {
   }
 }
 
+// A table holds 64 positions: of more it is not proposed, for it could not be added.
+TEST(LocalError, ATableThatCannotHoldAllPositionsIsNotProposed) {
+  for (const int count : {40, 90}) {
+    RandomNumbers random(3);
+    const std::vector<double> targets = unequalTargets(count, random, false);
+    std::vector<double> errors(targets.size());
+    for (double& error : errors) error = random.normal(3.0);
+    Session session = sessionOf(kNoise);
+    for (int run = 0; run < 4; ++run)
+      addRun(session, run, targets,
+             [&](std::size_t i, double) { return errors[i] + random.normal(kNoise / kMicrometre); });
+    const Diagnosis d = diagnosisOf(session);
+    ASSERT_EQ(d.artifactScatter.size(), 1u) << told(d);
+    EXPECT_EQ(d.artifactScatter[0].correctedBy.type, count == 40 ? "position_table" : "") << told(d);
+    EXPECT_EQ(d.sentence.find("position_table") != std::string::npos, count == 40) << told(d);
+  }
+}
+
 TEST(LocalError, NothingIsNothing) {
   for (const int targets : {21, 41})
     for (int seed = 1; seed <= seeds(); ++seed) {

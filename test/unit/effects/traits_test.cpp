@@ -145,6 +145,27 @@ TEST_F(OneEffect, conventionOfMmt) {
   EXPECT_EQ(held(z), (std::set<std::string>{"alpha_xz", "alpha_yz"}));
 }
 
+/// At each of its positions it does what the value of that position says, whatever the others are.
+TEST_P(Traits, AValueOfEachPositionIsThatOfNoOther) {
+  for (std::size_t j = 0; j < domain().joints.size(); ++j) {
+    const EffectPtr effect = createEffect(effectOfEachPosition(domain().joints[j].name), domain());
+    const std::vector<double>& positions = domain().positions[j];
+    ASSERT_EQ(effect->parameterCount(), static_cast<int>(positions.size()));
+    std::mt19937_64 random(1);
+    State state = randomState(rig_.machine, domain(), random);
+    for (std::size_t at = 0; at < positions.size(); ++at) {
+      state.position[j] = positions[at];
+      const Collector sink = evaluate(*effect, domain(), state, starts(*effect));
+      double own = 0.0, others = 0.0;
+      for (const auto& slopes : sink.slopes)
+        for (std::size_t value = 0; value < positions.size(); ++value)
+          (value == at ? own : others) += std::abs(slopes[value]);
+      EXPECT_EQ(others, 0.0) << domain().joints[j].name;
+      EXPECT_EQ(own, 1.0);
+    }
+  }
+}
+
 /// Of a wave seen at equal distances: the nearest aliases, and leads that screws have.
 TEST(Grid, TheLeadsThatLookTheSameAreNamed) {
   MachineRig rig = rigOf(0);
