@@ -141,8 +141,7 @@ void sortByGain(const Search& search, Explanation& found) {
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t j = 0; j < found.members.size(); ++j) {
     const std::vector<Member> others = search.beside(*evidence, found.members, j);
-    order.emplace_back(-evidence->gainOf(evidence->given(others), others, *found.members[j].columns).value,
-                       j);
+    order.emplace_back(-evidence->gainOf(evidence->given(others), *found.members[j].columns).value, j);
   }
   std::stable_sort(order.begin(), order.end());
   std::vector<Member> sorted;
@@ -162,7 +161,7 @@ void fillAnswers(const Search& search, const Explanation& found, const HeldOut& 
     const Group& group = q.groups.groups[m.group];
     const std::vector<Member> others = search.beside(*evidence, found.members, j);
     const Evidence::Given given = evidence->given(others);
-    const Gain own = evidence->gainOf(given, others, *m.columns);
+    const Gain own = evidence->gainOf(given, *m.columns);
     const double gain =
         own.value - group.shapes[m.shape].price - group.shapes[m.shape].priceOfSize(own.coefficient);
     const double after = (j + 1 == found.members.size() ? held.all() : held.with(j + 1)) * unit;

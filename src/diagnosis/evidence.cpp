@@ -5,10 +5,8 @@
 #include <cmath>
 
 #include "base/cancel_scope.h"
-#include "base/dense.h"
 #include "base/parallel.h"
 #include "base/tiny.h"
-#include "estimation/row_products.h"
 
 namespace mm {
 namespace {
@@ -17,10 +15,6 @@ constexpr double kNothingLeft = 1e-9;  // of a column of unit mean square: what 
 constexpr double kSomeNoise = 1e-12;   // share of the squares that no cause explains
 constexpr double kLarge = 1e100;       // of a product: its square is still a number
 constexpr double kUnused = 1e10;       // variance of a row that is held out
-/// Columns that are whitened together: enough for the products to be worth their packing, few enough to keep
-/// all cores busy. Part of the layout of the work, so that the bits do not depend on the number of threads.
-constexpr std::size_t kColumns = 192;
-static_assert(kColumns % PackedColumns::kTogether == 0, "parts share no tile");
 
 /// Sizes that are asked: from what nobody sees to a hundred times the noise, in steps of a quarter of e.
 const std::vector<double>& sizes() {
@@ -32,166 +26,16 @@ const std::vector<double>& sizes() {
   return all;
 }
 
-}  // namespace
-
-std::shared_ptr<const Evidence::Fixed> Evidence::fixedOf(const NoiseRows& rows, NoiseModel noise,
-                                                         const std::vector<RandomBlock>& blocks,
-                                                         const std::vector<char>* heldOut) {
+Eigen::VectorXd withoutHeldOut(Eigen::VectorXd variance, const std::vector<char>* heldOut) {
   CancelScope::check();
-  auto out = std::make_shared<Fixed>();
-  out->noise = std::move(noise);
-  int held = 0;
-  if (heldOut != nullptr)
-    for (int i = 0; i < rows.rows(); ++i)
-      if ((*heldOut)[i]) out->noise.variance[i] = kUnused, ++held;
-  out->whitener = std::make_unique<TimeWhitener>(whitenerOf(rows, out->noise.variance, out->noise.drift));
-  const int base = static_cast<int>(rows.base.cols());
-  int fixed = base;
-  for (const RandomBlock& b : blocks)
-    if (b.ratio > 0.0) fixed += static_cast<int>(b.columns.cols());
-  out->raw.resize(rows.length(), fixed);
-  out->raw.leftCols(base) = rows.base;
-  int at = base;
-  for (const RandomBlock& b : blocks)
-    if (b.ratio > 0.0) {
-      out->raw.middleCols(at, b.columns.cols()) = b.ratio * b.columns;
-      at += static_cast<int>(b.columns.cols());
-    }
-  out->columns = out->raw;
-  out->whitener->whiten(out->columns);
-  RowMatrix target = rows.target;
-  out->whitener->whiten(target);
-  out->target = target.col(0);
-  Eigen::MatrixXd m = rowProducts(out->columns);
-  for (int k = 0; k < fixed; ++k) m(k, k) += k < base ? kRidge : 1.0;
-  out->factor = Cholesky(m);
-  out->byTarget = out->factor.solveLower(out->columns.transpose() * out->target);
-  out->rest = std::max(kTiny, out->target.squaredNorm() - out->byTarget.squaredNorm());
-  out->logDeterminant = out->whitener->logDeterminant() + out->factor.logDeterminant();
-  out->freedoms = std::max(1, rows.length() - base - held);
-  return out;
+  for (std::size_t i = 0; heldOut != nullptr && i < heldOut->size(); ++i)
+    if ((*heldOut)[i]) variance[static_cast<Eigen::Index>(i)] = kUnused;
+  return variance;
 }
 
-Evidence::Evidence(const NoiseRows& rows, const Groups& groups, NoiseModel noise,
-                   std::vector<RandomBlock> blocks, const std::vector<char>* heldOut)
-    : rows_(rows), groups_(groups), fixed_(fixedOf(rows, std::move(noise), blocks, heldOut)) {
-  const int all = static_cast<int>(groups.columns.cols());
-  RowMatrix columns(groups.columns.rows(), all);
-  byBase_.resize(fixed_->columns.cols(), all);
-  groupTarget_.resize(all);
-  products_.resize(groups.groups.size());
-  parallelFor(partsOf(all, kColumns), [&](std::size_t number) {
-    const Part at = partOf(all, kColumns, number);
-    const int first = static_cast<int>(at.first), count = static_cast<int>(at.end - at.first);
-    RowMatrix part = groups.columns.middleCols(first, count);
-    fixed_->whitener->whiten(part);
-    Eigen::MatrixXd by = rowProducts(fixed_->columns, part);
-    fixed_->factor.solveLowerInPlace(by);
-    groupTarget_.segment(first, count) =
-        part.transpose() * fixed_->target - by.transpose() * fixed_->byTarget;
-    byBase_.middleCols(first, count) = by;
-    columns.middleCols(first, count) = part;
-  });
-  columns_ = PackedColumns(columns);
-  parallelFor(groups.groups.size(), [&](std::size_t g) {
-    for (const Shape& s : groups.groups[g].shapes) {
-      const auto block = columns.middleCols(s.first, s.count);
-      const auto by = byBase_.middleCols(s.first, s.count);
-      products_[g].push_back(Eigen::MatrixXd(rowProducts(block)) - by.transpose() * by);
-    }
-  });
-}
-
-Evidence::Prepared Evidence::prepare(const RowMatrix& columns) const {
-  Prepared p;
-  p.columns = columns;
-  fixed_->whitener->whiten(p.columns);
-  p.byBase = rowProducts(fixed_->columns, p.columns);
-  fixed_->factor.solveLowerInPlace(p.byBase);
-  p.target = p.columns.transpose() * fixed_->target - p.byBase.transpose() * fixed_->byTarget;
-  return p;
-}
-
-Evidence::Prepared& Evidence::prepared(const Member& member) const {
-  const auto found = prepared_.find(member.id);
-  if (found != prepared_.end()) return found->second;
-  return prepared_.emplace(member.id, prepare(*member.columns)).first->second;
-}
-
-void Evidence::makeCross(Prepared& p, int first, int end) const {
-  constexpr int kTile = PackedColumns::kTogether;
-  const int all = static_cast<int>(byBase_.cols());
-  if (p.there.empty()) {
-    p.cross.resize(p.columns.cols(), all);
-    p.there.assign(partsOf(static_cast<std::size_t>(all), kTile), 0);
-  }
-  const int lastTile = (end + kTile - 1) / kTile;
-  for (int tile = first / kTile; tile < lastTile; ++tile) {
-    const int begin = tile;
-    while (tile < lastTile && !p.there[tile]) p.there[tile++] = 1;
-    if (tile == begin) continue;
-    const int from = begin * kTile, count = std::min(tile * kTile, all) - from;
-    columns_.productsWith(p.columns, from, from + count, p.cross);
-    p.cross.middleCols(from, count) -= p.byBase.transpose() * byBase_.middleCols(from, count);
-  }
-}
-
-void Evidence::makeAllCross(const Given& given) const {
-  const auto all = static_cast<std::size_t>(byBase_.cols());
-  for (const auto& [size, p] : given.members) {
-    makeCross(*p, 0, 0);
-    parallelFor(partsOf(all, kColumns), [&, of = p](std::size_t number) {
-      const Part at = partOf(all, kColumns, number);
-      makeCross(*of, static_cast<int>(at.first), static_cast<int>(at.end));
-    });
-  }
-}
-
-Eigen::MatrixXd Evidence::productsOf(const Prepared& a, const Prepared& b) const {
-  return Eigen::MatrixXd(rowProducts(a.columns, b.columns)) - a.byBase.transpose() * b.byBase;
-}
-
-Evidence::Joint Evidence::jointOf(const std::vector<Member>& members) const {
-  Joint joint;
-  for (const Member& m : members) joint.columns += static_cast<int>(m.columns->cols());
-  Eigen::MatrixXd products(joint.columns, joint.columns);
-  Eigen::VectorXd target(joint.columns);
-  int at = 0;
-  for (std::size_t i = 0; i < members.size(); ++i) {
-    const Prepared& a = prepared(members[i]);
-    const int n = static_cast<int>(a.columns.cols());
-    target.segment(at, n) = members[i].size * a.target;
-    int to = 0;
-    for (std::size_t j = 0; j <= i; ++j) {
-      const Prepared& b = prepared(members[j]);
-      const int other = static_cast<int>(b.columns.cols());
-      const Eigen::MatrixXd block = members[i].size * members[j].size * productsOf(a, b);
-      products.block(at, to, n, other) = block;
-      products.block(to, at, other, n) = block.transpose();
-      to += other;
-    }
-    at += n;
-  }
-  products.diagonal().array() += 1.0;
-  joint.factor = Cholesky(products);
-  joint.explained = joint.factor.solveLower(target);
-  return joint;
-}
-
-Evidence::Given Evidence::given(const std::vector<Member>& members) const {
-  CancelScope::check();
-  Given g;
-  g.joint = jointOf(members);
-  g.freedoms = fixed_->freedoms;
-  for (const Member& m : members) g.members.emplace_back(m.size, &prepared(m));
-  g.rest = std::max(kTiny, fixed_->rest - g.joint.explained.squaredNorm());
-  const double logDeterminant = fixed_->logDeterminant + g.joint.factor.logDeterminant();
-  g.logEvidence = -0.5 * logDeterminant - 0.5 * g.freedoms * std::log(g.rest / g.freedoms);
-  return g;
-}
-
-Gain Evidence::best(const Eigen::MatrixXd& products, const Eigen::VectorXd& target,
-                    const Given& given) const {
+/// The size at which columns explain most.
+/// @param products of the columns, @param target theirs with what is left: both beside what is given.
+Gain bestOf(const Eigen::MatrixXd& products, const Eigen::VectorXd& target, const Evidence::Given& given) {
   Gain gain;
   const SymmetricEigen eigen(products);
   const Eigen::VectorXd values = eigen.values.cwiseMax(0.0);
@@ -225,91 +69,94 @@ Gain Evidence::best(const Eigen::MatrixXd& products, const Eigen::VectorXd& targ
   return gain;
 }
 
-Gain Evidence::gainOf(const Given& given, int group, std::vector<double>* ofShapes) const {
+}  // namespace
+
+Evidence::Evidence(const NoiseRows& rows, const Groups& groups, const NoiseModel& noise,
+                   const std::vector<RandomBlock>& blocks, const std::vector<double>& ratios,
+                   const std::vector<char>* heldOut)
+    : rows_(rows),
+      groups_(groups),
+      whitened_(rows, withoutHeldOut(noise.variance, heldOut), noise.drift, blocks, ratios),
+      fixed_(fixedColumnsOf(rows, blocks, ratios)) {
+  const auto held = heldOut == nullptr ? 0 : std::count(heldOut->begin(), heldOut->end(), char(1));
+  freedoms_ = std::max(1.0, whitened_.freedoms() - static_cast<double>(held));
+}
+
+std::vector<WhitenedRows::Sized> Evidence::sizedOf(const std::vector<Member>& members) const {
+  std::vector<WhitenedRows::Sized> sized;
+  for (const Member& m : members) {
+    auto known = prepared_.find(m.columns);
+    if (known == prepared_.end()) known = prepared_.emplace(m.columns, whitened_.prepare(*m.columns)).first;
+    sized.push_back({m.size, &known->second});
+  }
+  return sized;
+}
+
+Evidence::Given Evidence::given(const std::vector<Member>& members) const {
+  CancelScope::check();
+  Given g;
+  g.members = sizedOf(members);
+  g.joint = WhitenedRows::jointOf(g.members);
+  g.freedoms = freedoms_;
+  g.rest = std::max(kTiny, whitened_.rest() - g.joint.explained.squaredNorm());
+  const double logDeterminant = whitened_.logDeterminant() + g.joint.factor.logDeterminant();
+  g.logEvidence = -0.5 * logDeterminant - 0.5 * g.freedoms * std::log(g.rest / g.freedoms);
+  return g;
+}
+
+Gain Evidence::gainOf(const Given& given, const RowMatrix& columns) const {
+  const WhitenedRows::Columns asked = whitened_.prepare(columns);
+  Eigen::MatrixXd products = WhitenedRows::productOf(asked, asked);
+  Eigen::VectorXd target = asked.target;
+  if (!given.members.empty()) {
+    Eigen::MatrixXd absorbed(given.joint.explained.size(), columns.cols());
+    Eigen::Index at = 0;
+    for (const auto& [size, of] : given.members) {
+      absorbed.middleRows(at, of->whitened.cols()) = size * WhitenedRows::productOf(*of, asked);
+      at += of->whitened.cols();
+    }
+    given.joint.factor.solveLowerInPlace(absorbed);
+    products -= absorbed.transpose() * absorbed;
+    target -= absorbed.transpose() * given.joint.explained;
+  }
+  return bestOf(products, target, given);
+}
+
+Gain Evidence::gainOf(const Given& given, int group) const {
   Gain best;
   const Group& g = groups_.groups[group];
-  if (ofShapes != nullptr) ofShapes->clear();
   for (std::size_t s = 0; s < g.shapes.size(); ++s) {
     const Shape& shape = g.shapes[s];
-    Eigen::MatrixXd products = products_[group][s];
-    Eigen::VectorXd target = groupTarget_.segment(shape.first, shape.count);
-    if (given.joint.columns > 0) {
-      Eigen::MatrixXd absorbed(given.joint.columns, shape.count);
-      int at = 0;
-      for (const auto& [size, p] : given.members) {
-        makeCross(*p, shape.first, shape.first + shape.count);
-        absorbed.middleRows(at, p->cross.rows()) = size * p->cross.middleCols(shape.first, shape.count);
-        at += static_cast<int>(p->cross.rows());
-      }
-      given.joint.factor.solveLowerInPlace(absorbed);
-      products.noalias() -= absorbed.transpose() * absorbed;
-      target.noalias() -= absorbed.transpose() * given.joint.explained;
-    }
-    Gain gain = this->best(products, target, given);
+    Gain gain = gainOf(given, groups_.columns.middleCols(shape.first, shape.count));
     gain.group = group;
     gain.shape = static_cast<int>(s);
     gain.value -= shape.price + shape.priceOfSize(gain.coefficient);
-    if (ofShapes != nullptr) ofShapes->push_back(gain.value);
     if (gain.value > best.value) best = gain;
   }
   return best;
 }
 
-Gain Evidence::gainOf(const Given& given, const std::vector<Member>& members,
-                      const RowMatrix& columns) const {
-  const Prepared p = prepare(columns);
-  Eigen::MatrixXd products = productsOf(p, p);
-  Eigen::VectorXd target = p.target;
-  if (!members.empty()) {
-    const Joint joint = jointOf(members);
-    Eigen::MatrixXd absorbed(joint.columns, columns.cols());
-    int at = 0;
-    for (const Member& m : members) {
-      absorbed.middleRows(at, m.columns->cols()) = m.size * productsOf(prepared(m), p);
-      at += static_cast<int>(m.columns->cols());
-    }
-    joint.factor.solveLowerInPlace(absorbed);
-    products -= absorbed.transpose() * absorbed;
-    target -= absorbed.transpose() * joint.explained;
-  }
-  return best(products, target, given);
-}
-
 std::vector<Gain> Evidence::gains(const Given& given) const {
   const std::size_t n = groups_.groups.size();
   std::vector<Gain> all(n);
-  makeAllCross(given);
   parallelFor(n, [&](std::size_t g) { all[g] = gainOf(given, static_cast<int>(g)); });
   std::stable_sort(all.begin(), all.end(), [](const Gain& a, const Gain& b) { return a.value > b.value; });
   return all;
 }
 
 Evidence::Fit Evidence::fit(const std::vector<Member>& members) const {
-  const Joint joint = jointOf(members);
-  const Eigen::VectorXd values = joint.factor.solveUpper(joint.explained);
-  Eigen::VectorXd byFixed = fixed_->byTarget;
+  const std::vector<WhitenedRows::Sized> sets = sizedOf(members);
+  const WhitenedRows::Joint joint = WhitenedRows::jointOf(sets);
+  const double left = std::max(0.0, whitened_.rest() - joint.explained.squaredNorm());
+  WhitenedRows::Fit of = WhitenedRows::fitOf(sets, joint, left / freedoms_);
   Fit fit;
-  fit.withoutDrift = Eigen::VectorXd::Zero(rows_.length());
-  int at = 0;
-  for (const Member& m : members) {
-    const int k = static_cast<int>(m.columns->cols());
-    fit.values.emplace_back(m.size * values.segment(at, k));
-    byFixed -= prepared(m).byBase * fit.values.back();
-    fit.withoutDrift += *m.columns * fit.values.back();
-    at += k;
-  }
-  fit.withoutDrift += fixed_->raw * fixed_->factor.solveUpper(byFixed);
+  fit.withoutDrift = fixed_ * whitened_.fixedBeside(sets, of.values);
+  for (std::size_t j = 0; j < members.size(); ++j) fit.withoutDrift += *members[j].columns * of.values[j];
   fit.expected = fit.withoutDrift;
-  const Eigen::VectorXd left = rows_.target - fit.withoutDrift;
-  fit.expected.head(rows_.rows()) += fixed_->whitener->driftIn(left.head(rows_.rows()));
-  const double variance = std::max(0.0, fixed_->rest - joint.explained.squaredNorm()) / fixed_->freedoms;
-  const Eigen::MatrixXd inverse = joint.factor.inverse();
-  at = 0;
-  for (const Member& m : members) {
-    const int k = static_cast<int>(m.columns->cols());
-    fit.covariance.push_back(variance * m.size * m.size * inverse.block(at, at, k, k));
-    at += k;
-  }
+  fit.expected.head(rows_.rows()) +=
+      whitened_.whitener().driftIn((rows_.target - fit.withoutDrift).head(rows_.rows()));
+  fit.values = std::move(of.values);
+  fit.covariance = std::move(of.covariance);
   return fit;
 }
 

@@ -61,7 +61,7 @@ void describeProfiles(const Search& search, const Explanation& found, const Held
     std::vector<Member> others = found.members;
     others.erase(others.begin() + static_cast<long>(j));
     const Evidence::Given given = evidence->given(others);
-    const double own = evidence->gainOf(given, others, *found.members[j].columns).value;
+    const double own = evidence->gainOf(given, *found.members[j].columns).value;
     Asked best;
     best.gain.value = -1e300;
     const auto ask = [&](const std::string& text, double price) {
@@ -76,7 +76,7 @@ void describeProfiles(const Search& search, const Explanation& found, const Held
       if (!a.effect->linear()) return -1e300;
       a.columns = make(a.effect, {});
       if (a.columns.cols() == 0) return -1e300;
-      a.gain = evidence->gainOf(given, others, a.columns);
+      a.gain = evidence->gainOf(given, a.columns);
       a.gain.value -= price;
       const double value = a.gain.value;
       if (value > best.gain.value) best = std::move(a);
@@ -114,7 +114,6 @@ void describeProfiles(const Search& search, const Explanation& found, const Held
     Member member = found.members[j];
     member.columns = std::make_shared<RowMatrix>(best.columns);
     member.size = std::max(kSmallestSize, best.gain.size);
-    member.id = "formula " + best.spec.yaml();
     std::vector<Member> members = others;
     members.push_back(member);
     out.formulas.push_back(

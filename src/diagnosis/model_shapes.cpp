@@ -118,15 +118,14 @@ class Beside {
         evidence_(search.evidenceAt(bare)),
         given_(evidence_->given(members_)) {}
 
-  double gainOf(const RowMatrix& columns) const { return evidence_->gainOf(given_, members_, columns).value; }
+  double gainOf(const RowMatrix& columns) const { return evidence_->gainOf(given_, columns).value; }
 
   /// Root mean square of what they take, of the noise of 1.
   double rmsOf(const RowMatrix& columns) const {
     std::vector<Member> members = members_;
     members.emplace_back();
     members.back().columns = std::make_shared<RowMatrix>(columns);
-    members.back().size = evidence_->gainOf(given_, members_, columns).size;
-    members.back().id = "shape of the model";
+    members.back().size = evidence_->gainOf(given_, columns).size;
     return projectedRms(*q_.space, columns, evidence_->fit(members).values.back());
   }
 

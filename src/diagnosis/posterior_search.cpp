@@ -58,8 +58,8 @@ std::vector<CurveName> nameCurves(const Search& search, const Evidence& evidence
     Member law = name;  // what it has beside its law may be anything
     law.columns = std::make_shared<RowMatrix>(name.columns->leftCols(shape.main));
     if (!isPossible(evidence, shape, others, law) ||
-        !(explained(evidence.gainOf(given, others, *law.columns).value) >
-          kMostOfIt * explained(evidence.gainOf(given, others, *found[j].columns).value)))
+        !(explained(evidence.gainOf(given, *law.columns).value) >
+          kMostOfIt * explained(evidence.gainOf(given, *found[j].columns).value)))
       continue;
     const Eigen::Map<const Eigen::ArrayXd> all(logOdds.data(), static_cast<Eigen::Index>(logOdds.size()));
     const double share = std::exp(*best - logSumExp(all));

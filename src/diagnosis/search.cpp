@@ -11,15 +11,6 @@ namespace mm {
 namespace {
 
 constexpr double kFiner = 1e-3;  // nats that a step of a nonlinear parameter must bring
-std::string idOf(int group, int shape, const std::vector<double>& nonlinear) {
-  std::string id = std::to_string(group) + "/" + std::to_string(shape);
-  for (const double v : nonlinear) {
-    char text[40];
-    std::snprintf(text, sizeof text, "/%.17g", v);
-    id += text;
-  }
-  return id;
-}
 
 }  // namespace
 
@@ -35,13 +26,8 @@ std::shared_ptr<const Evidence> Search::evidenceAt(const Explanation& at,
       if (k.scatter == at.scatter && sameDrift(k.noise.drift, at.noise.drift) &&
           k.noise.variance == at.noise.variance)
         return k.evidence;
-  std::vector<RandomBlock> blocks;
-  for (std::size_t b = 0; b < q_.scatter.size(); ++b)
-    if (at.scatter[b] > 0.0) {
-      blocks.push_back(q_.scatter[b]);
-      blocks.back().ratio = at.scatter[b];
-    }
-  auto evidence = std::make_shared<const Evidence>(q_.rows, q_.groups, at.noise, std::move(blocks), heldOut);
+  auto evidence =
+      std::make_shared<const Evidence>(q_.rows, q_.groups, at.noise, q_.scatter, at.scatter, heldOut);
   if (heldOut != nullptr) return evidence;
   constexpr std::size_t kKept = 3;
   if (known_.size() == kKept) known_.erase(known_.begin());
@@ -106,7 +92,6 @@ Member Search::memberOf(const Gain& gain) const {
   m.nonlinear = shape.nonlinear;
   takeSize(m, gain);
   m.columns = std::make_shared<RowMatrix>(q_.groups.columns.middleCols(shape.first, shape.count));
-  m.id = idOf(m.group, m.shape, {});
   return m;
 }
 
@@ -118,12 +103,12 @@ Member Search::refined(const Evidence& evidence, const std::vector<Member>& othe
   const Shape& shape = q_.groups.groups[member.group].shapes[member.shape];
   const Evidence::Given given = evidence.given(others);
   if (member.nonlinear.empty()) {
-    takeSize(best, evidence.gainOf(given, others, *member.columns));
+    takeSize(best, evidence.gainOf(given, *member.columns));
     return best;
   }
   const GroupColumns make(*q_.space);
   const std::vector<int> parameters = shape.effect->nature().nonlinear;
-  double most = evidence.gainOf(given, others, *member.columns).value;
+  double most = evidence.gainOf(given, *member.columns).value;
   std::vector<double> steps = {0.03, 0.01, 0.003, 0.001, 0.0003};
   if (!shape.effect->nature().fineWaves.lengths.empty())
     steps.insert(steps.end(), {1e-4, 3e-5});  // of many waves
@@ -138,13 +123,12 @@ Member Search::refined(const Evidence& evidence, const std::vector<Member>& othe
           RowMatrix columns = make(shape.effect, at);
           if (columns.cols() == 0) break;
           if (shape.count == shape.main) columns = columns.leftCols(shape.main).eval();
-          const Gain gain = evidence.gainOf(given, others, columns);
+          const Gain gain = evidence.gainOf(given, columns);
           if (!(gain.value > most + kFiner)) break;
           most = gain.value;
           best.nonlinear = at;
           takeSize(best, gain);
           best.columns = std::make_shared<RowMatrix>(std::move(columns));
-          best.id = idOf(best.group, best.shape, best.nonlinear);
         }
   return best;
 }
@@ -161,7 +145,7 @@ std::vector<Member> Search::beside(const Evidence& evidence, const std::vector<M
         if (k != j && k != p) rest.push_back(members[k]);
       const Evidence::Given given = evidence.given(rest);
       const auto explained = [&](const Member& m) {
-        return -std::expm1(-2.0 * evidence.gainOf(given, rest, *m.columns).value / given.freedoms);
+        return -std::expm1(-2.0 * evidence.gainOf(given, *m.columns).value / given.freedoms);
       };
       if (explained(members[j]) > kMostOfIt * explained(members[p])) continue;
     }

@@ -103,8 +103,8 @@ std::vector<char> curvesForTheRest(const Search& search, const Explanation& foun
     if (!search.hasCurve(*evidence, members, j)) continue;
     const std::vector<Member> beside = search.beside(*evidence, members, j);
     for (std::size_t k = 0; k < members.size(); ++k)
-      if (k != j &&
-          std::none_of(beside.begin(), beside.end(), [&](const Member& m) { return m.id == members[k].id; }))
+      if (k != j && std::none_of(beside.begin(), beside.end(),
+                                 [&](const Member& m) { return m.columns == members[k].columns; }))
         curves[k] = 1;
   }
   return curves;

@@ -75,7 +75,6 @@ std::vector<LikelyShapes::Term> LikelyShapes::termsOf(const Walk& walk) const {
     Member m;
     m.size = sizeGrid()[t.size];
     m.columns = std::make_shared<RowMatrix>(kept_.at(t.group).at(t.shape).columns);
-    m.id = std::to_string(t.group) + "/" + std::to_string(t.shape);
     at.members.push_back(std::move(m));
   }
   const auto evidence = Search(rows).evidenceAt(at);

@@ -25,39 +25,15 @@ NoiseView::NoiseView(const PosteriorProblem& problem, NoiseState state,
     : problem_(problem),
       state_(std::move(state)),
       packed_(std::move(packed)),
-      logPrior_(state_.logPrior(problem)) {
-  const NoiseRows& rows = problem.rows;
-  whitener_ = std::make_unique<TimeWhitener>(whitenerOf(rows, state_.variance, state_.drift));
-  const int base = static_cast<int>(rows.base.cols());
-  int count = base;
-  for (std::size_t b = 0; b < problem.scatter.size(); ++b)
-    if (state_.scatter[b] > 0.0) count += static_cast<int>(problem.scatter[b].columns.cols());
-  fixed_.resize(rows.length(), count);
-  fixed_.leftCols(base) = rows.base;
-  int at = base;
-  for (std::size_t b = 0; b < problem.scatter.size(); ++b) {
-    if (!(state_.scatter[b] > 0.0)) continue;
-    const auto k = problem.scatter[b].columns.cols();
-    fixed_.middleCols(at, k) = state_.scatter[b] * problem.scatter[b].columns;
-    at += static_cast<int>(k);
-  }
-  whitener_->whiten(fixed_);
-  RowMatrix target = rows.target;
-  whitener_->whiten(target);
-  target_ = target.col(0);
-  Eigen::MatrixXd m = rowProducts(fixed_);
-  for (int k = 0; k < count; ++k) m(k, k) += k < base ? kRidge : 1.0;
-  factor_ = Cholesky(m);
-  byTarget_ = factor_.solveLower(fixed_.transpose() * target_);
-  rest_ = std::max(0.0, target_.squaredNorm() - byTarget_.squaredNorm()) + problem.statedFreedoms;
-  logDeterminant_ = whitener_->logDeterminant() + factor_.logDeterminant();
-  freedoms_ = std::max(1, rows.length() - base) + problem.statedFreedoms;
-}
+      logPrior_(state_.logPrior(problem)),
+      whitened_(problem.rows, state_.variance, state_.drift, problem.scatter, state_.scatter),
+      rest_(whitened_.rest() + problem.statedFreedoms),
+      freedoms_(whitened_.freedoms() + problem.statedFreedoms) {}
 
 void NoiseView::makeAll() const {
   CancelScope::check();
   const int all = static_cast<int>(problem_.columns.cols());
-  byFixed_.resize(fixed_.cols(), all);
+  byFixed_.resize(whitened_.fixed().cols(), all);
   allTarget_.resize(all);
   products_.resize(problem_.shapes.size());
   // parts of whole shapes
@@ -76,58 +52,52 @@ void NoiseView::makeAll() const {
     const int first = problem_.shapes[parts[p]].first;
     const CauseShape& last = problem_.shapes[parts[p + 1] - 1];
     const int count = last.first + last.count - first;
-    RowMatrix part = problem_.columns.middleCols(first, count);
-    whitener_->whiten(part);
-    RowMatrix by = rowProducts(fixed_, part);
-    factor_.solveLowerInPlace(by);
-    allTarget_.segment(first, count) = part.transpose() * target_ - by.transpose() * byTarget_;
+    const WhitenedRows::Columns part = whitened_.prepare(problem_.columns.middleCols(first, count));
+    allTarget_.segment(first, count) = part.target;
     for (std::size_t s = parts[p]; s < parts[p + 1]; ++s) {
       const CauseShape& shape = problem_.shapes[s];
-      const auto block = part.middleCols(shape.first - first, shape.count);
-      const auto absorbed = by.middleCols(shape.first - first, shape.count);
+      const auto block = part.whitened.middleCols(shape.first - first, shape.count);
+      const auto absorbed = part.byFixed.middleCols(shape.first - first, shape.count);
       products_[s] = block.transpose().lazyProduct(block);  // so few columns that to pack them takes longer
       products_[s] -= absorbed.transpose().lazyProduct(absorbed);
     }
-    byFixed_.middleCols(first, count) = by;
+    byFixed_.middleCols(first, count) = part.byFixed;
   }
 }
 
-NoiseView::Columns& NoiseView::columnsOf(int shape) const {
-  Columns* kept = nullptr;
+NoiseView::OfShape& NoiseView::keptOf(int shape) const {
+  OfShape* kept = nullptr;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     auto& slot = kept_[shape];
-    if (!slot) slot = std::make_unique<Columns>();
+    if (!slot) slot = std::make_unique<OfShape>();
     kept = slot.get();
   }
   std::call_once(kept->once, [&] {
     const CauseShape& s = problem_.shapes[static_cast<std::size_t>(shape)];
-    kept->whitened = problem_.columns.middleCols(s.first, s.count);
-    whitener_->whiten(kept->whitened);
-    kept->byFixed = rowProducts(fixed_, kept->whitened);
-    factor_.solveLowerInPlace(kept->byFixed);
-    kept->target = kept->whitened.transpose() * target_ - kept->byFixed.transpose() * byTarget_;
+    kept->columns = whitened_.prepare(problem_.columns.middleCols(s.first, s.count));
   });
   return *kept;
 }
 
 const RowMatrix& NoiseView::crossOf(int shape) const {
   std::call_once(onceAll_, [this] { makeAll(); });
-  Columns& own = columnsOf(shape);
+  OfShape& own = keptOf(shape);
   std::call_once(own.onceCross, [&] {
     const CauseShape& s = problem_.shapes[static_cast<std::size_t>(shape)];
     RowMatrix weighted = problem_.columns.middleCols(s.first, s.count);  // V^-1 times these
     const int rows = problem_.rows.rows();
     for (int k = 0; k < s.count; ++k) {
       const Eigen::VectorXd column = weighted.col(k).head(rows);
-      weighted.col(k).head(rows) = (column - whitener_->driftIn(column)).cwiseQuotient(state_.variance);
+      weighted.col(k).head(rows) =
+          (column - whitened_.whitener().driftIn(column)).cwiseQuotient(state_.variance);
     }
     own.cross.resize(s.count, problem_.columns.cols());
     if (packed_)
       packed_->productsWith(weighted, 0, static_cast<int>(problem_.columns.cols()), own.cross);
     else
       own.cross = rowProducts(weighted, problem_.columns);
-    own.cross.noalias() -= own.byFixed.transpose() * byFixed_;
+    own.cross.noalias() -= own.columns.byFixed.transpose() * byFixed_;
   });
   return own.cross;
 }
@@ -140,36 +110,16 @@ Eigen::MatrixXd NoiseView::productOf(int a, int b) const {
     const auto found = keptProducts_.find({a, b});
     if (found != keptProducts_.end()) return found->second;
   }
-  const Columns &one = columnsOf(a), &other = columnsOf(b);
-  Eigen::MatrixXd product =
-      Eigen::MatrixXd(rowProducts(one.whitened, other.whitened)) - one.byFixed.transpose() * other.byFixed;
+  Eigen::MatrixXd product = WhitenedRows::productOf(keptOf(a).columns, keptOf(b).columns);
   const std::lock_guard<std::mutex> lock(mutex_);
   return keptProducts_.emplace(std::make_pair(a, b), std::move(product)).first->second;
 }
 
 NoiseView::Joint NoiseView::jointOf(const ActingSet& set) const {
-  int count = 0;
-  for (const Acting& a : set) count += problem_.shapes[static_cast<std::size_t>(a.shape)].count;
-  Eigen::MatrixXd products(count, count);
-  Eigen::VectorXd target(count);
-  int at = 0;
-  for (std::size_t i = 0; i < set.size(); ++i) {
-    const Columns& a = columnsOf(set[i].shape);
-    const auto n = a.whitened.cols();
-    const double size = sizeGrid()[set[i].size];
-    target.segment(at, n) = size * a.target;
-    int to = 0;
-    for (std::size_t j = 0; j <= i; ++j) {
-      const int m = problem_.shapes[static_cast<std::size_t>(set[j].shape)].count;
-      products.block(at, to, n, m) = size * sizeGrid()[set[j].size] * productOf(set[i].shape, set[j].shape);
-      to += m;
-    }
-    at += static_cast<int>(n);
-  }
-  products.diagonal().array() += 1.0;
   Joint joint;
-  joint.factor = Cholesky(products);
-  joint.explained = joint.factor.solveLower(target);
+  for (const Acting& a : set) joint.members.push_back({sizeGrid()[a.size], &keptOf(a.shape).columns});
+  static_cast<WhitenedRows::Joint&>(joint) = WhitenedRows::jointOf(
+      joint.members, [&](std::size_t i, std::size_t j) { return productOf(set[i].shape, set[j].shape); });
   joint.rest = std::max(problem_.statedFreedoms * 1e-12, rest_ - joint.explained.squaredNorm());
   return joint;
 }
@@ -181,7 +131,8 @@ double NoiseView::logDensity(const ActingSet& set) const {
     const CauseShape& s = problem_.shapes[static_cast<std::size_t>(a.shape)];
     prior += problem_.causes[static_cast<std::size_t>(s.cause)].logPriorOdds + s.logPrior[a.size];
   }
-  return prior + logPossible(set, joint) - 0.5 * (logDeterminant_ + joint.factor.logDeterminant()) -
+  return prior + logPossible(set, joint) -
+         0.5 * (whitened_.logDeterminant() + joint.factor.logDeterminant()) -
          0.5 * freedoms_ * std::log(joint.rest);
 }
 
@@ -191,7 +142,7 @@ double NoiseView::logPossible(const ActingSet& set, const Joint& joint) const {
     return problem_.shapes[static_cast<std::size_t>(a.shape)].secondPartOfFirst;
   };
   if (std::none_of(set.begin(), set.end(), isLimited)) return 0.0;
-  const Fit fit = fitOf(set, joint);
+  const WhitenedRows::Fit fit = fitOf(joint);
   double sum = 0.0;
   for (std::size_t k = 0; k < set.size(); ++k)
     if (isLimited(set[k]))
@@ -202,22 +153,10 @@ double NoiseView::logPossible(const ActingSet& set, const Joint& joint) const {
 
 double NoiseView::whiteVariance(const ActingSet& set) const { return jointOf(set).rest / freedoms_; }
 
-NoiseView::Fit NoiseView::fit(const ActingSet& set) const { return fitOf(set, jointOf(set)); }
+WhitenedRows::Fit NoiseView::fit(const ActingSet& set) const { return fitOf(jointOf(set)); }
 
-NoiseView::Fit NoiseView::fitOf(const ActingSet& set, const Joint& joint) const {
-  const Eigen::VectorXd values = joint.factor.solveUpper(joint.explained);
-  const Eigen::MatrixXd inverse = joint.factor.inverse();
-  const double variance = joint.rest / freedoms_;
-  Fit fit;
-  int at = 0;
-  for (const Acting& a : set) {
-    const int k = problem_.shapes[static_cast<std::size_t>(a.shape)].count;
-    const double size = sizeGrid()[a.size];
-    fit.values.emplace_back(size * values.segment(at, k));
-    fit.covariance.emplace_back(variance * size * size * inverse.block(at, at, k, k));
-    at += k;
-  }
-  return fit;
+WhitenedRows::Fit NoiseView::fitOf(const Joint& joint) const {
+  return WhitenedRows::fitOf(joint.members, joint, joint.rest / freedoms_);
 }
 
 /// @param absorbed by the members of the set: their factor's rows x columns from `firstColumn` on.

@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "base/dense.h"
 #include "estimation/row_products.h"
 #include "posterior/problem.h"
+#include "posterior/whitened_rows.h"
 
 namespace mm {
 
@@ -35,31 +35,24 @@ class NoiseView {
   Conditionals look(const ActingSet& set) const;
   /// Variance of the white noise beside a set, in units of the stated one.
   double whiteVariance(const ActingSet& set) const;
-  /// Expected coefficients of the columns of each member, and their covariance.
-  struct Fit {
-    std::vector<Eigen::VectorXd> values;
-    std::vector<Eigen::MatrixXd> covariance;
-  };
-  Fit fit(const ActingSet& set) const;  ///< of the members of a set
+  /// Expected coefficients of the columns of each member of a set, and their covariance.
+  WhitenedRows::Fit fit(const ActingSet& set) const;
 
  private:
-  struct Columns {  // of one shape
-    RowMatrix whitened;
-    Eigen::MatrixXd byFixed;  // fixed x k
-    Eigen::VectorXd target;   // k
-    RowMatrix cross;          // k x all columns; made when first asked for
+  struct OfShape {
+    WhitenedRows::Columns columns;
+    RowMatrix cross;  // k x all columns; made when first asked for
     std::once_flag once, onceCross;
   };
-  struct Joint {  // of a set
-    Cholesky factor;
-    Eigen::VectorXd explained;
+  struct Joint : WhitenedRows::Joint {  // of a set
+    std::vector<WhitenedRows::Sized> members;
     double rest = 0.0;  // with what the stated noise is worth
   };
-  Columns& columnsOf(int shape) const;
+  OfShape& keptOf(int shape) const;
   const RowMatrix& crossOf(int shape) const;
   Eigen::MatrixXd productOf(int a, int b) const;
   Joint jointOf(const ActingSet& set) const;
-  Fit fitOf(const ActingSet& set, const Joint& joint) const;
+  WhitenedRows::Fit fitOf(const Joint& joint) const;
   double logPossible(const ActingSet& set, const Joint& joint) const;
   void makeAll() const;
   void askShapes(int first, int end, const ActingSet& set, const Joint& joint, const RowMatrix& absorbed,
@@ -69,19 +62,15 @@ class NoiseView {
   NoiseState state_;
   std::shared_ptr<const PackedColumns> packed_;
   double logPrior_ = 0.0;
-  std::unique_ptr<TimeWhitener> whitener_;
-  RowMatrix fixed_;         // whitened columns of base and scatter
-  Eigen::VectorXd target_;  // whitened
-  Cholesky factor_;         // of the products of the fixed columns
-  Eigen::VectorXd byTarget_;
-  double logDeterminant_ = 0.0, rest_ = 0.0, freedoms_ = 1.0;
+  WhitenedRows whitened_;
+  double rest_ = 0.0, freedoms_ = 1.0;  // with what the stated noise is worth
   // of all columns of the problem
   mutable std::once_flag onceAll_;
   mutable RowMatrix byFixed_;  // fixed x all
   mutable Eigen::VectorXd allTarget_;
   mutable std::vector<Eigen::MatrixXd> products_;  // a shape
   mutable std::mutex mutex_;                       // of those below
-  mutable std::map<int, std::unique_ptr<Columns>> kept_;
+  mutable std::map<int, std::unique_ptr<OfShape>> kept_;
   mutable std::map<std::pair<int, int>, Eigen::MatrixXd> keptProducts_;  // of two shapes
 };
 

@@ -73,14 +73,13 @@ struct Made {
     m.group = group;
     m.size = size;
     m.columns = std::make_shared<RowMatrix>(groups.columns.middleCols(s.first, s.count));
-    m.id = std::to_string(group);
     return m;
   }
 };
 
 TEST(Evidence, IsThatOfTheDenseFormula) {
   const Made made;
-  const Evidence evidence(made.rows, made.groups, made.noise, {});
+  const Evidence evidence(made.rows, made.groups, made.noise, {}, {});
   Eigen::MatrixXd v = made.covariance();
   EXPECT_NEAR(evidence.given({}).logEvidence, made.brute(v), 1e-6);
   const Member a = made.member(0, 0.5), b = made.member(1, 1.5);
@@ -90,7 +89,7 @@ TEST(Evidence, IsThatOfTheDenseFormula) {
 
 TEST(Evidence, AGainIsADifferenceOfEvidence) {
   const Made made;
-  const Evidence evidence(made.rows, made.groups, made.noise, {});
+  const Evidence evidence(made.rows, made.groups, made.noise, {}, {});
   const Member a = made.member(0, 0.5);
   const Evidence::Given given = evidence.given({a});
   const Gain gain = evidence.gainOf(given, 1);
@@ -99,13 +98,13 @@ TEST(Evidence, AGainIsADifferenceOfEvidence) {
               1e-8);
   for (const double other : {0.5 * gain.size, 2.0 * gain.size})
     EXPECT_LE(evidence.given({a, made.member(1, other)}).logEvidence, given.logEvidence + gain.value + 1e-9);
-  EXPECT_NEAR(evidence.gainOf(given, {a}, *made.member(1, 1.0).columns).value, gain.value, 1e-8);
+  EXPECT_NEAR(evidence.gainOf(given, *made.member(1, 1.0).columns).value, gain.value, 1e-8);
   EXPECT_EQ(evidence.gains(evidence.given({})).front().group, 1);
 }
 
 TEST(Evidence, ASizeThatIsNotUsualHasItsPrice) {
   Made made;
-  const Evidence evidence(made.rows, made.groups, made.noise, {});
+  const Evidence evidence(made.rows, made.groups, made.noise, {}, {});
   const Evidence::Given given = evidence.given({});
   const Gain usual = evidence.gainOf(given, 1);
   const Evidence::Fit fit = evidence.fit({made.member(1, usual.size)});
@@ -123,10 +122,10 @@ TEST(Evidence, RowsHeldOutCountNothing) {
   Made made;
   std::vector<char> held(Made::kRows, 0);
   for (int i = 20; i < 26; ++i) held[i] = 1;
-  const Evidence before(made.rows, made.groups, made.noise, {}, &held);
+  const Evidence before(made.rows, made.groups, made.noise, {}, {}, &held);
   const double gain = before.gainOf(before.given({}), 1).value;
   for (int i = 20; i < 26; ++i) made.rows.target[i] = 40.0;
-  const Evidence after(made.rows, made.groups, made.noise, {}, &held);
+  const Evidence after(made.rows, made.groups, made.noise, {}, {}, &held);
   EXPECT_NEAR(after.gainOf(after.given({}), 1).value, gain, 1e-4);
 }
 
@@ -136,7 +135,7 @@ TEST(Evidence, OfNothingThereIsHardlyAnyGain) {
   int above = 0, asked = 0;
   for (unsigned seed = 0; seed < 300; ++seed) {
     const Made made(seed + 10);
-    const Evidence evidence(made.rows, made.groups, made.noise, {});
+    const Evidence evidence(made.rows, made.groups, made.noise, {}, {});
     for (const int g : {0, 2}) {
       above += evidence.gainOf(evidence.given({}), g).value > 3.0;
       ++asked;
@@ -147,7 +146,7 @@ TEST(Evidence, OfNothingThereIsHardlyAnyGain) {
 
 TEST(Evidence, CoefficientsAreThoseOfTheGaussianPosterior) {
   const Made made;
-  const Evidence evidence(made.rows, made.groups, made.noise, {});
+  const Evidence evidence(made.rows, made.groups, made.noise, {}, {});
   const Member b = made.member(1, 1.5);
   const Evidence::Fit fit = evidence.fit({b});
   Eigen::MatrixXd all(Made::kRows, 4);

@@ -29,14 +29,13 @@ Questions measured() {
 }
 
 /// One of two steps of two axes behind the same row: they differ in one reading.
-Member stepThatDiffersBy(double more, const char* id) {
+Member stepThatDiffersBy(double more) {
   RowMatrix columns = RowMatrix::Zero(kRows, 1);
   columns.bottomRows(5).setOnes();
   columns(kBad, 0) += more;
   Member m;
   m.size = 30.0;
   m.columns = std::make_shared<RowMatrix>(columns);
-  m.id = id;
   return m;
 }
 
@@ -44,7 +43,7 @@ TEST(Tails, AReadingForWhichACauseWasFoundIsStillABadOne) {
   const Questions q = measured();
   Explanation found;
   found.noise.variance = Eigen::VectorXd::Ones(kRows);
-  found.members = {stepThatDiffersBy(0.0, "x"), stepThatDiffersBy(0.3, "y")};
+  found.members = {stepThatDiffersBy(0.0), stepThatDiffersBy(0.3)};
   const Search search(q);
   const double left = q.rows.target[kBad] - search.evidenceAt(found)->fit(found.members).expected[kBad];
   ASSERT_LT(std::abs(left), 2.0) << "the two explain it";
