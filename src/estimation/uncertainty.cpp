@@ -183,13 +183,36 @@ void addNetworkShift(const Problem& problem, const Eigen::VectorXd& x, const Eig
       heldOut[i] += at.slotGradients()(i, layout.axis(j)) * gain[j] * shift(problem.rows()[i].observation, j);
 }
 
+namespace {
+
+/// Root mean square of what the used rows of one kind state of themselves; 0 where one of them states
+/// nothing.
+double statedByRows(const Problem& problem, const Eigen::VectorXd& weight, bool angular) {
+  double sum = 0.0;
+  int n = 0;
+  for (int i = 0; i < weight.size(); ++i) {
+    const ResidualRow& row = problem.rows()[i];
+    if (weight[i] == 0.0 || row.angular != angular) continue;
+    if (!(row.statedSigma > 0.0)) return 0.0;
+    sum += row.statedSigma * row.statedSigma;
+    ++n;
+  }
+  return n > 0 ? std::sqrt(sum / n) : 0.0;
+}
+
+}  // namespace
+
 RepeatabilityUsed repeatabilityOf(const Problem& problem, const Fit& fit, double dof) {
   const bool angularOnly = !has(problem, false);
   RepeatabilityUsed used;
   used.noise = fit.noise;
   used.value = angularOnly ? fit.noise.angular : fit.noise.linear;
   used.from = fit.noise.from;
-  if (used.from != "estimated") return used;
+  if (used.from != "estimated") {
+    if (const double stated = statedByRows(problem, fit.weight, angularOnly); stated > 0.0)
+      used.value = stated;
+    return used;
+  }
   used.repeated = repeatedMeasurements(problem, fit.residuals, angularOnly);
   if (used.repeated.dof > 0.0) {
     used.from = "repeated";

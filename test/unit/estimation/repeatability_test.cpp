@@ -123,6 +123,20 @@ TEST(Repeatability, OfTargetsThatAreReachedFromManySidesIsNoSmaller) {
   EXPECT_NEAR(std::sqrt(sum / kTrials), 1e-6, 0.05e-6);
 }
 
+TEST(Repeatability, IsWhatTheReadingsStateOfThemselves) {
+  Session s = session({5, 9, 0.3e-6}, 3);
+  for (std::size_t i = 0; i < s.observations.size(); ++i)
+    s.observations[i].deviationStd = {i % 2 == 0 ? 0.3e-6 : 0.4e-6, kNotMeasured, kNotMeasured};
+  const CalibrationResult r = calibrated(s);
+  EXPECT_EQ(r.repeatabilityFrom, "declared");
+  EXPECT_NEAR(r.repeatability, std::sqrt(0.5 * (0.09 + 0.16)) * 1e-6, 1e-12);
+  s.artifact.repeatability = 2e-6;
+  EXPECT_EQ(calibrated(s).repeatability, r.repeatability)
+      << "a reading that states its own is weighed by that";
+  s.observations[7].deviationStd = {kNotMeasured, kNotMeasured, kNotMeasured};
+  EXPECT_EQ(calibrated(s).repeatability, 2e-6) << "the others are as good as is declared for all";
+}
+
 TEST(Repeatability, NeedsTheDirectionOfTravel) {
   const CalibrationResult r = calibrated(session({5, 9, 1e-6, 0.0, 0.0, false}, 3));
   EXPECT_EQ(r.repeatabilityFrom, "estimated");
