@@ -86,7 +86,7 @@ std::string surely(const CandidateResult& c, const Diagnosis& d) {
          oddsInWords(c.odds);
 }
 
-/// "either backlash of x (2.06 ± 0.06 um, k = 2; odds 3 to 2) or speed lag (1 to 3)"
+/// "either backlash of x (2.06 ± 0.06 um, k = 2; odds 3 to 2) or trigger delay (1 to 3)"
 std::string eitherOr(const CandidateResult& c, const Diagnosis& d) {
   std::string size = sizeInWords(c, d.angular);
   if (size.find("±") != std::string::npos) size += ", k = 2";

@@ -30,7 +30,7 @@ std::string valueOf(const EffectSpec::Value& value) {
   return text;
 }
 
-/// The phrase with its keys put in; empty where one of them is not given.
+/// The phrase with its keys put in; empty where one of them is not given, or {key=value} is not its value.
 /// @param used the keys. @param more further words.
 std::string filled(const std::string& phrase, const EffectSpec& effect, std::set<std::string>& used,
                    const std::map<std::string, std::string>& more = {}) {
@@ -40,11 +40,15 @@ std::string filled(const std::string& phrase, const EffectSpec& effect, std::set
     const std::size_t open = phrase.find('{', at);
     if (open == std::string::npos) return text + phrase.substr(at);
     const std::size_t close = phrase.find('}', open);
-    const std::string key = phrase.substr(open + 1, close - open - 1);
+    const std::string inside = phrase.substr(open + 1, close - open - 1);
+    const std::string key = inside.substr(0, inside.find('='));
     const EffectSpec::Value* value = effect.find(key);
     const auto word = more.find(key);
     if (word == more.end() && (value == nullptr || value->items.empty())) return {};
-    text += phrase.substr(at, open - at) + (word == more.end() ? valueOf(*value) : word->second);
+    const std::string of = word == more.end() ? valueOf(*value) : word->second;
+    const bool wanted = key != inside;
+    if (wanted && inside != key + "=" + of) return {};
+    text += phrase.substr(at, open - at) + (wanted ? "" : of);
     used.insert(key);
     at = close + 1;
   }

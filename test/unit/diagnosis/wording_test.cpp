@@ -94,7 +94,9 @@ TEST(EffectInWords, IsWhatTheShopCallsIt) {
   // a plugin's, or one whose keys are not those of the phrase
   EXPECT_EQ(inWords(EffectSpec("friction_lever").set("axis", "x").set("across", "z")),
             "friction lever, axis x, across z");
-  EXPECT_EQ(inWords(EffectSpec("speed_lag")), "speed lag");
+  EXPECT_EQ(inWords(EffectSpec("speed_lag")), "trigger delay");
+  EXPECT_EQ(inWords(EffectSpec("probe_lobing").set("order", 0)), "sideways pre-travel of the probe");
+  EXPECT_EQ(inWords(EffectSpec("probe_lobing").set("order", 3)), "probe lobing of order 3");
   EXPECT_EQ(inWords(EffectSpec("scale")), "scale");
 }
 
@@ -164,13 +166,13 @@ TEST(Sentence, ConfusableNamesTheRivalsWithTheirOdds) {
   d.missing = {play()};
   d.missing[0].odds = 0.6;
   d.missing[0].confusableWith = {rival(EffectSpec("speed_lag"), 0.3, "touch x at two speeds")};
-  EXPECT_EQ(
-      sentenceOf(d),
-      "Either backlash of x (2.06 ± 0.06 um, k = 2; odds 3 to 2) or speed lag (1 to 2): these data do not "
-      "separate them. Held-out RMS 0.93 -> 0.32 um.");
+  EXPECT_EQ(sentenceOf(d),
+            "Either backlash of x (2.06 ± 0.06 um, k = 2; odds 3 to 2) or trigger delay (1 to 2): these data "
+            "do not "
+            "separate them. Held-out RMS 0.93 -> 0.32 um.");
   d.nextMeasurement.resize(1);
   EXPECT_NE(
-      sentenceOf(d).find("speed lag (1 to 2): these data do not separate them; the listed moves would."),
+      sentenceOf(d).find("trigger delay (1 to 2): these data do not separate them; the listed moves would."),
       std::string::npos);
 }
 
@@ -189,8 +191,8 @@ TEST(Sentence, MovesThatDoNotSeparateAreNotSaidToDoSo) {
   };
   EXPECT_EQ(moves(1, 1), "; the listed moves would");
   EXPECT_EQ(moves(1, 12), "; the listed moves would, measured 12 times");
-  EXPECT_EQ(moves(1, 0), "; the listed moves would separate only speed lag");
-  EXPECT_EQ(moves(4, 0), "; the listed moves would, measured 4 times, separate only speed lag");
+  EXPECT_EQ(moves(1, 0), "; the listed moves would separate only trigger delay");
+  EXPECT_EQ(moves(4, 0), "; the listed moves would, measured 4 times, separate only trigger delay");
   EXPECT_EQ(moves(0, 0), "");
 }
 
@@ -351,7 +353,7 @@ TEST(Sentence, WhatIsFoundBesideACurveHasItsRivals) {
   d.missing[0].confusableWith = {rival(EffectSpec("speed_lag"), 0.3)};
   const std::string text = sentenceOf(d);
   EXPECT_NE(text.find("either backlash of x"), std::string::npos) << text;
-  EXPECT_NE(text.find("or speed lag (1 to 2)"), std::string::npos) << text;
+  EXPECT_NE(text.find("or trigger delay (1 to 2)"), std::string::npos) << text;
 }
 
 TEST(Sentence, AnglesAreInArcseconds) {

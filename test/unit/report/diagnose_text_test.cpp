@@ -54,7 +54,8 @@ TEST(DiagnoseText, TellsEachMissingEffect) {
 
 TEST(DiagnoseText, RivalsWithTheirOddsAndWhatWouldTell) {
   const std::string text = textOf(confusable());
-  EXPECT_TRUE(has(text, "    or instead        speed lag, 1 to 2; to separate them: touch x at two speeds\n"))
+  EXPECT_TRUE(
+      has(text, "    or instead        trigger delay, 1 to 2; to separate them: touch x at two speeds\n"))
       << text;
   EXPECT_TRUE(has(text, "zero of b; the same error expressed in another frame")) << text;
   EXPECT_TRUE(has(text, "backlash of y; cannot be excluded: the direction of travel of y was not")) << text;
@@ -220,7 +221,8 @@ TEST(DiagnoseText, DriftArtifactAndInputs) {
   EXPECT_TRUE(has(text, "    centres           0.50 ± 0.10 um RMS (k = 2): measure the plate again\n"))
       << text;
   EXPECT_TRUE(has(text, "  direction of travel of x: assumed from the approach of the contact\n")) << text;
-  EXPECT_TRUE(has(text, "  speed of y: speed lag and backlash of y cannot be excluded without it\n")) << text;
+  EXPECT_TRUE(has(text, "  speed of y: trigger delay and backlash of y cannot be excluded without it\n"))
+      << text;
   EXPECT_FALSE(has(text, "mm add")) << text;
 }
 
@@ -274,7 +276,7 @@ TEST(DiagnoseText, InputsWithoutWhichTheSameIsUnknownAreOneLine) {
   Diagnosis d = verdict(Verdict::kExplained);
   d.missingInputs = {{"speed of y", "", {EffectSpec("speed_lag")}},
                      {"speed of z", "", {EffectSpec("speed_lag")}}};
-  EXPECT_TRUE(has(textOf(d), "  speed of y, speed of z: speed lag cannot be excluded without it\n"))
+  EXPECT_TRUE(has(textOf(d), "  speed of y, speed of z: trigger delay cannot be excluded without it\n"))
       << textOf(d);
 }
 
