@@ -1,5 +1,5 @@
 // What is told of the artifact: how its balls scatter, and where it lies as a whole.
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
@@ -11,26 +11,20 @@
 namespace mm {
 namespace {
 
-/// What a block was in this session, of the noise of 1: expected values of its columns and their covariance.
+/// What a block was in this session, beside all else that was found.
 struct BlockFit {
-  Eigen::VectorXd values;
-  Eigen::MatrixXd covariance;
+  Eigen::VectorXd values, std;  // of the coefficients of its columns
 };
 
 /// @param ratio of the block, as it was found.
 BlockFit fitOf(const Search& search, const Explanation& found, std::size_t block, double ratio) {
-  const Questions& q = search.questions();
-  const Evidence::Fit fit = search.evidenceAt(found)->fit(found.members);
-  Eigen::VectorXd left = q.rows.target;
-  for (std::size_t j = 0; j < found.members.size(); ++j) left -= *found.members[j].columns * fit.values[j];
-  Eigen::MatrixXd columns = q.scatter[block].columns;
-  q.space->project(columns);
-  Eigen::MatrixXd products = columns.transpose() * columns;
-  products.diagonal().array() += 1.0 / (ratio * ratio);
-  BlockFit out;
-  out.covariance = products.inverse();
-  out.values = out.covariance * (columns.transpose() * left);
-  return out;
+  Explanation others = found;
+  others.scatter[block] = 0.0;
+  others.members.emplace_back();
+  others.members.back().size = ratio;
+  others.members.back().columns = std::make_shared<RowMatrix>(search.questions().scatter[block].columns);
+  const Evidence::Fit fit = search.evidenceAt(others)->fit(others.members);
+  return {fit.values.back(), fit.covariance.back().diagonal().cwiseSqrt()};
 }
 
 /// Where the artifact lies as a whole, beside a place that is stated as known. @param block of the datum.
@@ -39,8 +33,7 @@ void fillDatum(const Search& search, const Explanation& found, std::size_t block
   constexpr double kClearly = 4.0;  // standard uncertainties
   const BlockFit fit = fitOf(search, found, block, search.questions().scatter[block].ratio);
   const Eigen::VectorXd& shift = fit.values;
-  const Eigen::VectorXd std = found.white * fit.covariance.diagonal().cwiseSqrt();
-  if (!((shift.array().abs() > kClearly * std.array()).any())) return;
+  if (!((shift.array().abs() > kClearly * fit.std.array()).any())) return;
   ArtifactScatter s;
   s.what = kDatum;
   s.std = shift.norm() * unit;
@@ -48,7 +41,7 @@ void fillDatum(const Search& search, const Explanation& found, std::size_t block
   const char* const axes[] = {"x", "y", "z"};
   for (int k = 0; k < 3; ++k)
     s.inWords += std::string(k == 0 ? " " : ", ") + shortNumber(shift[k] * unit / kMicrometre) + " ± " +
-                 shortNumber(2.0 * std[k] * unit / kMicrometre) + " um along " + axes[k];
+                 shortNumber(2.0 * fit.std[k] * unit / kMicrometre) + " um along " + axes[k];
   s.inWords += " (k = 2); leave its pose free, or correct its position";
   out.artifactScatter.push_back(std::move(s));
 }
@@ -60,14 +53,13 @@ std::string largestOf(const Search& search, const Explanation& found, std::size_
   const BlockFit fit = fitOf(search, found, block, found.scatter[block]);
   Eigen::Index most = 0, row = 0;
   fit.values.cwiseAbs().maxCoeff(&most);
-  const double std = found.white * std::sqrt(fit.covariance(most, most));
   q.scatter[block].columns.col(most).head(q.space->rows()).cwiseAbs().maxCoeff(&row);
   const Problem& problem = q.space->problem();
   const int o = problem.rows()[q.space->used()[static_cast<std::size_t>(row)]].observation;
   const bool linear = joint.kind == JointKind::kLinear;
   const double inUnit = unit / unitOf(!linear);
-  return withFactor(expanded(fit.values[most] * inUnit, std * inUnit, nameOfUnit(!linear))) + " at " +
-         shortNumber(problem.state(o).position[number] / (linear ? kMillimetre : kDegree)) +
+  return withFactor(expanded(fit.values[most] * inUnit, fit.std[most] * inUnit, nameOfUnit(!linear))) +
+         " at " + shortNumber(problem.state(o).position[number] / (linear ? kMillimetre : kDegree)) +
          (linear ? " mm" : " deg");
 }
 

@@ -2,12 +2,10 @@
 #include <Eigen/Core>
 #include <cmath>
 
-#include "base/dense.h"
 #include "base/random.h"
 #include "base/tiny.h"
 #include "diagnosis/answers.h"
 #include "estimation/robust.h"
-#include "estimation/row_products.h"
 
 namespace mm {
 namespace {
@@ -19,31 +17,16 @@ constexpr int kFewestOfATail = 60;  // rows: below, a tail is one row
 /// what a row shows alone is not explained by what was found for it, and a bad reading stays one.
 Eigen::VectorXd againstAllOthers(const Search& search, const Explanation& found) {
   const Questions& q = search.questions();
-  const NoiseRows& rows = q.rows;
-  const int n = rows.rows(), base = static_cast<int>(rows.base.cols());
-  RowMatrix all = rows.base;
-  const auto append = [&](const RowMatrix& columns, double size) {
-    if (!(size > 0.0)) return;
-    all.conservativeResize(Eigen::NoChange, all.cols() + columns.cols());
-    all.rightCols(columns.cols()) = size * columns;
-  };
-  for (std::size_t b = 0; b < q.scatter.size(); ++b) append(q.scatter[b].columns, found.scatter[b]);
-  for (const Member& m : found.members) append(*m.columns, m.size);
-  const TimeWhitener whitener = whitenerOf(rows, found.noise.variance, found.noise.drift);
-  RowMatrix own = RowMatrix::Identity(rows.length(), n), target = rows.target;
-  whitener.whiten(all);
-  whitener.whiten(own);
-  whitener.whiten(target);
-  Eigen::MatrixXd products = rowProducts(all);
-  products.diagonal().array() += 1.0;
-  products.diagonal().head(base).array() += kRidge - 1.0;
-  const Cholesky factor(products);
-  RowMatrix by = rowProducts(all, own);
-  factor.solveLowerInPlace(by);
-  const Eigen::VectorXd byTarget = factor.solveLower(all.transpose() * target.col(0));
-  const Eigen::VectorXd left = own.transpose() * target.col(0) - by.transpose() * byTarget;
-  const Eigen::VectorXd weight = own.colwise().squaredNorm() - by.colwise().squaredNorm();
-  return left.cwiseQuotient(weight.cwiseMax(kTiny).cwiseSqrt());
+  std::vector<RandomBlock> blocks = q.scatter;
+  std::vector<double> sizes = found.scatter;
+  for (const Member& m : found.members) {
+    blocks.push_back({*m.columns, m.size, 0.0, false});
+    sizes.push_back(m.size);
+  }
+  const WhitenedRows others(q.rows, found.noise.variance, found.noise.drift, blocks, sizes);
+  const WhitenedRows::Columns own = others.prepare(RowMatrix::Identity(q.rows.length(), q.rows.rows()));
+  const Eigen::VectorXd weight = own.whitened.colwise().squaredNorm() - own.byFixed.colwise().squaredNorm();
+  return own.target.cwiseQuotient(weight.cwiseMax(kTiny).cwiseSqrt());
 }
 
 }  // namespace
