@@ -46,21 +46,50 @@ void fillDatum(const Search& search, const Explanation& found, std::size_t block
   out.artifactScatter.push_back(std::move(s));
 }
 
-/// "-4.7 ± 0.4 um (k = 2) at 212 mm": the position that differs most.
-std::string largestOf(const Search& search, const Explanation& found, std::size_t block, const Joint& joint,
-                      int number, double unit) {
+/// What an axis has from position to position or from run to run, with the largest of it.
+void fillShared(const Search& search, const Explanation& found, std::size_t block, ArtifactScatter& s) {
   const Questions& q = search.questions();
-  const BlockFit fit = fitOf(search, found, block, found.scatter[block]);
-  Eigen::Index most = 0, row = 0;
-  fit.values.cwiseAbs().maxCoeff(&most);
-  q.scatter[block].columns.col(most).head(q.space->rows()).cwiseAbs().maxCoeff(&row);
   const Problem& problem = q.space->problem();
-  const int o = problem.rows()[q.space->used()[static_cast<std::size_t>(row)]].observation;
-  const bool linear = joint.kind == JointKind::kLinear;
-  const double inUnit = unit / unitOf(!linear);
-  return withFactor(expanded(fit.values[most] * inUnit, fit.std[most] * inUnit, nameOfUnit(!linear))) +
-         " at " + shortNumber(problem.state(o).position[number] / (linear ? kMillimetre : kDegree)) +
-         (linear ? " mm" : " deg");
+  const Domain& domain = problem.model().domain();
+  const int number = domain.findJoint(jointOf(s));
+  const Joint& joint = domain.joints[static_cast<std::size_t>(number)];
+  const RowMatrix& columns = q.scatter[block].columns;
+  const BlockFit fit = fitOf(search, found, block, found.scatter[block]);
+  Eigen::Index most = 0, at = 0;
+  fit.values.cwiseAbs().maxCoeff(&most);
+  columns.col(most).head(q.space->rows()).cwiseAbs().maxCoeff(&at);
+  const int row = q.space->used()[static_cast<std::size_t>(at)];
+  // m or rad of the axis where a coefficient is 1
+  const double ofOne =
+      columns(at, most) * q.space->fitted().sigma[row] /
+      q.space->linearisation().slotGradients()(row, problem.model().machine().layout().axis(number));
+  s.angular = joint.kind != JointKind::kLinear;
+  s.std = found.scatter[block] * found.white * std::abs(ofOne);
+  s.stdStd = s.std / std::sqrt(2.0 * std::max<double>(1.0, static_cast<double>(columns.cols()) - 1.0));
+  const double inUnit = ofOne / unitOf(s.angular);
+  const std::string largest =
+      "most by " + withFactor(expanded(fit.values[most] * inUnit, fit.std[most] * std::abs(inUnit),
+                                       nameOfUnit(s.angular)));
+  const std::string place = " at " +
+                            shortNumber(problem.state(problem.rows()[row].observation).position[number] /
+                                        (s.angular ? kDegree : kMillimetre)) +
+                            (s.angular ? " deg" : " mm");
+  const auto is = [&](const char* kind) { return s.what.rfind(kind, 0) == 0; };
+  if (is(kPositionsOf)) {
+    if (!domain.positions[static_cast<std::size_t>(number)].empty())
+      s.correctedBy = effectOfEachPosition(joint.name);
+    s.inWords = "the error of " + joint.name + " differs from position to position, " + largest + place +
+                ", the same in each run: " + errorsOfPositions(s);
+  } else if (is(kStopsOf)) {
+    s.inWords = joint.name + " stops elsewhere each time, " + largest + place +
+                ": its clamp, brake or drive does not hold it; touch more at each stop, or tighten it";
+  } else {
+    const std::string kind = is(kRunsOf) ? "run" : "pass";
+    s.inWords =
+        "the zero of " + joint.name + " shifts from " + kind + " to " + kind + ", " + largest + " in " +
+        kind + " " + std::to_string(most + 1) +
+        ": the instrument or the part moved, or a zero was set anew; give each run a setup of its own";
+  }
 }
 
 /// What is not there at 100 to 1 is not spoken of.
@@ -76,10 +105,10 @@ bool isSaid(const Search& search, const Explanation& found, std::size_t block) {
 
 }  // namespace
 
-bool isOfPositions(const ArtifactScatter& scatter) { return scatter.what.rfind(kPositionsOf, 0) == 0; }
-
-std::string jointOfPositions(const ArtifactScatter& scatter) {
-  return scatter.what.substr(std::string(kPositionsOf).size());
+std::string jointOf(const ArtifactScatter& scatter) {
+  const std::string of = " of ";
+  const std::size_t at = scatter.what.find(of);
+  return at == std::string::npos ? "" : scatter.what.substr(at + of.size());
 }
 
 void fillScatter(const Search& search, const Explanation& found, double unit, Diagnosis& out) {
@@ -92,22 +121,15 @@ void fillScatter(const Search& search, const Explanation& found, double unit, Di
     }
     ArtifactScatter s;
     s.what = q.scatterNames[b];
+    if (!jointOf(s).empty()) {
+      if (!isSaid(search, found, b)) continue;
+      fillShared(search, found, b, s);
+      out.artifactScatter.push_back(std::move(s));
+      continue;
+    }
     s.std = found.scatter[b] * found.white * unit;
     s.stdStd = s.std /
                std::sqrt(2.0 * std::max<double>(1.0, static_cast<double>(q.scatter[b].columns.cols()) - 1.0));
-    if (isOfPositions(s)) {
-      if (isSaid(search, found, b)) {
-        const Domain& domain = q.space->problem().model().domain();
-        const int joint = domain.findJoint(jointOfPositions(s));
-        s.where = largestOf(search, found, b, domain.joints[static_cast<std::size_t>(joint)], joint, unit);
-        if (!domain.positions[static_cast<std::size_t>(joint)].empty())
-          s.correctedBy = effectOfEachPosition(jointOfPositions(s));
-        s.inWords = "the error of " + jointOfPositions(s) + " differs from position to position, most by " +
-                    s.where + ", the same in each run: " + errorsOfPositions(s);
-        out.artifactScatter.push_back(std::move(s));
-      }
-      continue;
-    }
     const std::string size = shortNumber(s.std / kMicrometre) + " um";
     s.inWords = s.what == "centres"
                     ? "the balls' centres scatter by " + size +

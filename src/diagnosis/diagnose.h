@@ -97,22 +97,26 @@ struct DriftResult {
   bool ofThePlace = false;  // and it is the same in each run over the same targets
 };
 
-constexpr const char* kPositionsOf = "positions of ";  // then the name of a joint
+// What an axis has for itself each time: these, then the name of its joint.
+constexpr const char* kPositionsOf = "positions of ";
+constexpr const char* kRunsOf = "runs of ";
+constexpr const char* kPassesOf = "passes of ";  // a run in one direction
+constexpr const char* kStopsOf = "stops of ";
 
 /// Scatter that belongs to places: deviations of the artifact's balls from the file in position, radius or
-/// form; of an axis from position to position, the same in each run.
+/// form; of an axis from position to position, the same in each run; or from run to run, or stop to stop.
 struct ArtifactScatter {
-  std::string what;   // "centres", "radii", "form", "positions of x"; "datum": the whole artifact
-  double std = 0.0;   // m (rad)
-  std::string where;  // of positions: the largest, "-4.7 ± 0.4 um (k = 2) at 212 mm"
+  std::string
+      what;  // "centres", "radii", "form", "positions of x", "runs of x" …; "datum": the whole artifact
+  double std = 0.0;      // m (rad)
+  bool angular = false;  // `std` is rad
   std::string inWords;
   double stdStd = 0.0;          // of a standard deviation of so many, its standard uncertainty; 0: not stated
   EffectSpec correctedBy = {};  // of positions: the effect that holds them; no type: they are too many for it
 };
 
-/// Whether it is that of an axis from position to position, and of which.
-bool isOfPositions(const ArtifactScatter& scatter);
-std::string jointOfPositions(const ArtifactScatter& scatter);  ///< its name
+/// The joint of which it is; empty: it is of the artifact.
+std::string jointOf(const ArtifactScatter& scatter);
 
 /// A cause that explains as well what something else was found to explain.
 struct Alternative {

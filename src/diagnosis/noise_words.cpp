@@ -31,8 +31,7 @@ std::string nothingLeft(const Diagnosis& d) {
 std::string artifactSentence(const Diagnosis& d, const ArtifactScatter& scatter) {
   const std::string what = scatter.what == "centres" ? "positions" : "radii";
   return nothingLeft(d) + (positive(d.noise) ? " in the noise of " + noiseWords(d) : std::string()) +
-         ", but the balls' " + scatter.what + " scatter by " + sizeOfScatter(scatter, false) + " about the " +
-         what +
+         ", but the balls' " + scatter.what + " scatter by " + sizeOfScatter(scatter) + " about the " + what +
          " in the artifact file: either the file is wrong, or the machine has an error that this session "
          "cannot show. Calibrate the artifact, or turn it by 90 degrees and measure it again: its own errors "
          "turn with it, those of the machine do not.";
@@ -62,7 +61,8 @@ std::string repeatTwentyTimes(const Diagnosis& d) {
 
 }  // namespace
 
-std::string sizeOfScatter(const ArtifactScatter& scatter, bool angular) {
+std::string sizeOfScatter(const ArtifactScatter& scatter) {
+  const bool angular = scatter.angular;
   if (!(scatter.stdStd > 0.0)) return errorInWords(scatter.std, angular) + " RMS";
   return withFactor(expanded(scatter.std / unitOf(angular), scatter.stdStd / unitOf(angular),
                              nameOfUnit(angular) + " RMS"));
@@ -78,11 +78,9 @@ std::string errorsOfPositions(const ArtifactScatter& scatter) {
 std::string scatterSentence(const Diagnosis& d) {
   const std::string nothing = nothingLeft(d);
   if (const ArtifactScatter* of = beyondTheFile(d)) return artifactSentence(d, *of);
-  if (const ArtifactScatter* of = ofPositions(d))
-    return nothing + (positive(d.noise) ? " in the noise of " + noiseWords(d) : std::string()) +
-           ", but the error of " + jointOfPositions(*of) + " differs by " + sizeOfScatter(*of, d.angular) +
-           " from position to position, most by " + of->where +
-           ", the same in each run: " + errorsOfPositions(*of) + ".";
+  if (const ArtifactScatter* of = ofAnAxis(d))
+    return nothing + (positive(d.noise) ? " in the noise of " + noiseWords(d) : std::string()) + ", but " +
+           of->inWords + ".";
   if (const DriftResult* of = beyondTheRepeatability(d))
     return nothing + ", but " + scatterInWords(d, *of) + ", " +
            shortNumber(of->quickStd / d.base.repeatability) + " times the repeatability of " +

@@ -11,6 +11,7 @@
 #include "diagnosis/search.h"
 #include "diagnosis/shape_maker.h"
 #include "estimation/ball_columns.h"
+#include "estimation/repeatability.h"
 
 namespace mm {
 namespace {
@@ -18,8 +19,8 @@ namespace {
 constexpr double kPrice = 3.0;       // nats: as for a drift term
 constexpr double kDatumSize = 5.0;   // of the noise: a displacement of the whole artifact that costs nothing
 constexpr double kDatumSeen = 0.01;  // of a displacement: less is left where the places are unknowns
-constexpr double kPositionsSeen = 0.1;  // of a column: less is left where a table of them is an unknown
-constexpr int kMostForm = 120;          // columns of form: each costs as much as an unknown
+constexpr double kSharedSeen = 0.1;  // of columns: less is left where a table or a zero of each is an unknown
+constexpr int kMostForm = 120;       // columns of form: each costs as much as an unknown
 constexpr int kLowest = 2, kHighest = 6;
 constexpr int kHarmonics = (kHighest + 1) * (kHighest + 1) - kLowest * kLowest;
 
@@ -90,44 +91,90 @@ double datumSize(const ResidualSpace& space, const RowMatrix& whitened) {
   return std::max(kDatumSize, shift.norm() / std::sqrt(static_cast<double>(shift.size())));
 }
 
-/// What each position of an axis has for itself (the graduation of a scale, a tooth of a rack), where an
-/// instrument read it at the same positions again: rows of one position are no independent evidence of what
-/// only the positions tell, as of a wave.
-void addPositions(Questions& q) {
-  // positions: of fewer a smooth curve is met as well as one value each, and tells more; more cost too much
-  constexpr int kFewest = 20, kMost = 150;
+/// Rows of an axis that have one unknown error in common, a column each.
+struct Shared {
+  std::string name;
+  std::vector<int> numbers;  // an observation: which error it has
+  int fewest = 0;            // errors: fewer are met by what else is asked
+  int again = 1;             // how often each must be met: once is told by the time as well
+  double nats = 0.0;         // see RandomBlock
+  bool readings = false;     // of instruments only
+};
+
+void addShared(Questions& q, int joint, const Shared& shared) {
+  constexpr int kMost = 150;            // errors: more cost too much
   constexpr double kNoGradient = 1e-9;  // of a row by the error of a joint, m/m or m/rad: it lies across
   const ResidualSpace& space = *q.space;
   const Problem& problem = space.problem();
   const ErrorLayout layout = problem.model().machine().layout();
   const Eigen::MatrixXd& g = space.linearisation().slotGradients();
+  std::map<int, int> columnOf;
+  std::vector<int> rows;
+  int visits = 0, at = -1;  // readings one after the other share all else, too
+  for (const int row : space.used()) {
+    const int o = problem.rows()[row].observation;
+    const ObservationKind kind = problem.session().observations[o].kind;
+    if (shared.readings && kind != ObservationKind::kDeviation && kind != ObservationKind::kPosition)
+      continue;
+    if (std::abs(g(row, layout.axis(joint))) < kNoGradient) continue;
+    columnOf.emplace(shared.numbers[o], static_cast<int>(columnOf.size()));
+    rows.push_back(row);
+    if (shared.numbers[o] != at) ++visits;
+    at = shared.numbers[o];
+  }
+  const auto errors = static_cast<int>(columnOf.size());
+  // each so often, but that of a reversal; what one row has for itself is noise
+  if (errors < shared.fewest || errors > kMost || visits < shared.again * errors - 1 ||
+      static_cast<int>(rows.size()) < 2 * errors)
+    return;
+  // as large on average as what is read: of a rotary axis, by the lever
+  double square = 0.0;
+  for (const int row : rows) square += std::pow(g(row, layout.axis(joint)), 2);
+  const double lever = std::sqrt(square / static_cast<double>(rows.size()));
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(problem.rowCount(), errors);
+  for (const int row : rows)
+    columns(row, columnOf.at(shared.numbers[problem.rows()[row].observation])) =
+        (q.directionScale.empty() ? 1.0 : space.fitted().sigma[row]) * g(row, layout.axis(joint)) / lever;
+  RowMatrix whitened = space.whiten(columns);
+  if (!(space.leftOf(whitened).norm() > kSharedSeen * whitened.norm())) return;
+  q.scatter.push_back({std::move(whitened), 0.0, kPrice, false, shared.nats});
+  q.scatterNames.push_back(shared.name + problem.session().machine.joints()[joint].name);
+}
+
+/// Each observation's number of two that are told together.
+std::vector<int> numbersOf(const std::vector<std::pair<int, int>>& both) {
+  std::map<std::pair<int, int>, int> known;
+  std::vector<int> numbers;
+  for (const auto& one : both)
+    numbers.push_back(known.emplace(one, static_cast<int>(known.size())).first->second);
+  return numbers;
+}
+
+/// What an axis has for itself each time, where that was met by several rows, which then are no independent
+/// evidence of a cause: at each position (the graduation of a scale, a tooth of a rack), in each run or pass
+/// (an instrument that was touched, a zero that was set anew), at each stop of a rotary axis (its clamp).
+void addErrorsOfAxes(Questions& q) {
+  // As seldom as a curve without a name, of which it is the one that is not smooth: what is smooth is met by
+  // fewer numbers, and tells more.
+  constexpr double kAsACurve = 7.6;  // nats: ln(100 / 0.05), of some hundred causes
+  constexpr double kAsScatter = 1.5;
+  constexpr int kFewestPositions = 5, kFewestRuns = 3;
+  const Problem& problem = q.space->problem();
+  const auto count = static_cast<int>(problem.session().observations.size());
+  const std::vector<int> runs = runNumbers(problem);
   for (int joint = 0; joint < problem.session().machine.jointCount(); ++joint) {
-    const std::vector<int> numbers = positionNumbers(problem, joint);
-    const auto gradient = [&](int row) { return g(row, layout.axis(joint)); };
-    std::map<int, int> columnOf;  // of a position
-    std::vector<int> read;
-    int visits = 0, at = -1;  // readings one after the other at one position share all else, too
-    for (const int row : space.used()) {
-      const int o = problem.rows()[row].observation;
-      const ObservationKind kind = problem.session().observations[o].kind;
-      if (kind != ObservationKind::kDeviation && kind != ObservationKind::kPosition) continue;
-      if (std::abs(gradient(row)) < kNoGradient) continue;
-      columnOf.emplace(numbers[o], static_cast<int>(columnOf.size()));
-      read.push_back(row);
-      if (numbers[o] != at) ++visits;
-      at = numbers[o];
+    const bool linear = problem.session().machine.joints()[joint].kind == JointKind::kLinear;
+    const std::vector<int> positions = positionNumbers(problem, joint);
+    std::vector<std::pair<int, int>> passes;
+    std::vector<int> stops;
+    for (int o = 0; o < count; ++o) {
+      passes.emplace_back(runs[o], problem.state(o).travel[joint] < 0.0);
+      stops.push_back(o == 0 ? 0 : stops.back() + (positions[o] != positions[o - 1]));
     }
-    const auto positions = static_cast<int>(columnOf.size());
-    // each again, but that of a reversal
-    if (positions < kFewest || positions > kMost || visits < 2 * positions - 1) continue;
-    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(problem.rowCount(), positions);
-    for (const int row : read)
-      columns(row, columnOf.at(numbers[problem.rows()[row].observation])) =
-          (q.directionScale.empty() ? 1.0 : space.fitted().sigma[row]) * gradient(row);
-    RowMatrix whitened = space.whiten(columns);
-    if (!(space.leftOf(whitened).norm() > kPositionsSeen * whitened.norm())) continue;
-    q.scatter.push_back({std::move(whitened), 0.0, kPrice, false});
-    q.scatterNames.push_back(kPositionsOf + problem.session().machine.joints()[joint].name);
+    addShared(q, joint, {kPositionsOf, positions, kFewestPositions, 2, kAsACurve, linear});
+    if (!linear) addShared(q, joint, {kStopsOf, stops, kFewestPositions, 1, kAsScatter, false});
+    addShared(q, joint, {kRunsOf, runs, kFewestRuns, 1, kAsScatter, true});
+    addShared(q, joint, {kPassesOf, numbersOf(passes), 2 * kFewestRuns, 1, kAsScatter, true});
   }
 }
 
@@ -138,7 +185,7 @@ void addScatter(Questions& q) {
     q.scatter.push_back(std::move(s.block));
     q.scatterNames.emplace_back();
   }
-  addPositions(q);
+  addErrorsOfAxes(q);
   const ResidualSpace& space = *q.space;
   const Problem& problem = space.problem();
   const auto& features = problem.session().artifact.features;

@@ -32,8 +32,9 @@ const ArtifactScatter* beyondTheFile(const Diagnosis& d) {
   return nullptr;
 }
 
-const ArtifactScatter* ofPositions(const Diagnosis& d) {
-  const auto found = std::find_if(d.artifactScatter.begin(), d.artifactScatter.end(), isOfPositions);
+const ArtifactScatter* ofAnAxis(const Diagnosis& d) {
+  const auto found = std::find_if(d.artifactScatter.begin(), d.artifactScatter.end(),
+                                  [](const ArtifactScatter& s) { return !jointOf(s).empty(); });
   return found == d.artifactScatter.end() ? nullptr : &*found;
 }
 
@@ -56,7 +57,7 @@ void decide(Diagnosis& out) {
                 : confusable           ? Verdict::kConfusable
                 : !out.missing.empty() ? Verdict::kMissingEffect
                 : known && out.noise < mostNoise(out.base) && beyondTheFile(out) == nullptr &&
-                        ofPositions(out) == nullptr && beyondTheRepeatability(out) == nullptr
+                        ofAnAxis(out) == nullptr && beyondTheRepeatability(out) == nullptr
                     ? Verdict::kExplained
                     : Verdict::kScatter;
 }

@@ -9,8 +9,8 @@ namespace mm {
 void decide(Diagnosis& out);
 /// Whether another cause may act in its place: one that is not the same error in another frame.
 bool hasRivals(const CandidateResult& missing);
-/// An axis whose errors differ from position to position; null: none.
-const ArtifactScatter* ofPositions(const Diagnosis& diagnosis);
+/// What an axis has from position to position, or from run to run; null: nothing.
+const ArtifactScatter* ofAnAxis(const Diagnosis& diagnosis);
 /// Centres or radii of the balls that scatter beyond the repeatability, where that is known: null where none
 /// do.
 const ArtifactScatter* beyondTheFile(const Diagnosis& diagnosis);

@@ -14,7 +14,7 @@ namespace mm {
 std::string sentenceOf(const Diagnosis& diagnosis);
 
 /// "0.76 ± 0.13 arcsec RMS (k = 2)": a standard deviation that belongs to places.
-std::string sizeOfScatter(const ArtifactScatter& scatter, bool angular);
+std::string sizeOfScatter(const ArtifactScatter& scatter);
 
 /// What differs from position to position, and what to do.
 std::string errorsOfPositions(const ArtifactScatter& scatter);

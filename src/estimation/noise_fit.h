@@ -30,6 +30,7 @@ struct RandomBlock {
   double ratio = 0.0;  // in units of the white noise; 0: not there
   double price = 0.0;  // log evidence that it must earn to be there; 0: its ratio may go down to nothing
   bool fixed = false;  // the ratio is known
+  double nats = 1.5;   // by which its being there is less likely than its absence, before any data
 };
 
 /// On products of orthonormal columns: keeps a direction that a part of the rows does not see from being

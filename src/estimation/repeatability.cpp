@@ -103,6 +103,22 @@ class Repeats {
     return found;
   }
 
+  /// A run ends where a target comes again.
+  std::vector<int> numbersOfRuns() const {
+    std::map<int, int> seen;  // a target: the last run with it
+    std::vector<int> numbers;
+    int run = 0;
+    for (int o = 0; o < static_cast<int>(observations_.size()); ++o) {
+      if ((o == 0 || target_[o] != target_[o - 1]) && directed(observations_[o])) {
+        const auto known = seen.find(target_[o]);
+        if (known != seen.end() && known->second == run) ++run;
+        seen[target_[o]] = run;
+      }
+      numbers.push_back(run);
+    }
+    return numbers;
+  }
+
   SharedByRuns shared() const {
     struct Sums {
       double count = 0.0, earlier = 0.0, later = 0.0;
@@ -229,17 +245,17 @@ class Repeats {
     return true;
   }
 
-  /// Targets of two runs, one after the other: a run ends where a target comes again.
+  /// Targets of two runs, one after the other.
   std::vector<Pair> pairsOfRuns() const {
     std::map<int, std::pair<int, int>> seen;  // a target: the last run with it, the observation in it
     std::map<std::vector<double>, int> kinds;
     std::vector<Pair> pairs;
-    int run = 0;
+    const std::vector<int> runs = numbersOfRuns();
     for (int o = 0; o < static_cast<int>(observations_.size()); ++o) {
       if (o > 0 && target_[o] == target_[o - 1]) continue;
       if (!directed(observations_[o])) continue;
+      const int run = runs[o];
       auto found = seen.find(target_[o]);
-      if (found != seen.end() && found->second.first == run) ++run;
       if (found != seen.end() && found->second.first == run - 1)
         for (int row = 0; row < rowsOf(o); ++row) {
           const double earlier = residual(found->second.second, row), later = residual(o, row);
@@ -323,6 +339,11 @@ Repeatability repeatedMeasurements(const Problem& problem, const Eigen::VectorXd
                 200.0 * found.relativeStd());
   found.inWords = "from " + found.inWords + uncertain;
   return found;
+}
+
+std::vector<int> runNumbers(const Problem& problem) {
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(problem.rowCount());
+  return Repeats(problem, none, false).numbersOfRuns();
 }
 
 SharedByRuns sharedByRuns(const Problem& problem, const Eigen::VectorXd& values, bool angular) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <string>
+#include <vector>
 
 #include "estimation/problem.h"
 
@@ -22,6 +23,9 @@ struct Repeatability {
 /// taken out. What stands apart (4 times the bulk) is an outlier, not repeatability.
 /// @param residuals m or rad a data row. @param angular which kind of rows.
 Repeatability repeatedMeasurements(const Problem& problem, const Eigen::VectorXd& residuals, bool angular);
+
+/// The run to which each observation belongs, from 0 on: one ends where a target comes again.
+std::vector<int> runNumbers(const Problem& problem);
 
 /// What the runs over the same targets have in common.
 struct SharedByRuns {

@@ -5,10 +5,9 @@
 namespace mm {
 namespace {
 
-constexpr double kDriftNats = 0.7;    // wandering is common, whatever its direction and time constant
-constexpr double kSmoothNats = 2.0;   // a smooth course is less so
-constexpr double kScatterNats = 1.5;  // what belongs to places and comes again
-constexpr double kAlike = 0.05;       // of a ratio or a time constant
+constexpr double kDriftNats = 0.7;   // wandering is common, whatever its direction and time constant
+constexpr double kSmoothNats = 2.0;  // a smooth course is less so
+constexpr double kAlike = 0.05;      // of a ratio or a time constant
 
 bool near(double a, double b) { return std::abs(a - b) <= kAlike * std::max(std::abs(a), std::abs(b)); }
 
@@ -20,7 +19,7 @@ double NoiseState::logPrior(const PosteriorProblem& problem) const {
     if (t.ratio > 0.0) sum -= (t.smooth ? kSmoothNats : kDriftNats) + std::log1p(t.ratio * t.ratio);
   for (std::size_t b = 0; b < scatter.size(); ++b)
     if (scatter[b] > 0.0 && !problem.scatter[b].fixed)
-      sum -= kScatterNats + std::log1p(scatter[b] * scatter[b]);
+      sum -= problem.scatter[b].nats + std::log1p(scatter[b] * scatter[b]);
   return sum;
 }
 

@@ -69,9 +69,8 @@ Json driftJson(const DriftResult& drift, const Diagnosis& d) {
                       {"to_do", drift.inWords.empty() ? driftAdvice(drift) : drift.inWords}}});
 }
 
-Json scatterJson(const ArtifactScatter& a, const Diagnosis& d) {
-  return jsonObject(
-      {{{"what", a.what}}, figureOf(d.angular && isOfPositions(a), "std", a.std), {{"in_words", a.inWords}}});
+Json scatterJson(const ArtifactScatter& a) {
+  return jsonObject({{{"what", a.what}}, figureOf(a.angular, "std", a.std), {{"in_words", a.inWords}}});
 }
 
 Json variationJson(const Variation& v, const Diagnosis& d) {
@@ -150,7 +149,7 @@ Json diagnosisJson(const Diagnosis& d) {
         {"profiles", each(d.profiles, profileJson)},
         {"formulas", each(d.formulas, formulaJson)},
         {"drift", each(d.drift, driftJson)},
-        {"artifact_scatter", each(d.artifactScatter, scatterJson)},
+        {"artifact_scatter", jsonList(d.artifactScatter, scatterJson)},
         {"variations", each(d.variations, variationJson)},
         {"missing_inputs", jsonList(d.missingInputs, inputJson)},
         {"cannot_show", each(d.cannotShow, hiddenJson)},

@@ -90,8 +90,7 @@ std::string artifactText(const Diagnosis& d) {
   if (d.artifactScatter.empty()) return {};
   std::string text = "\nScatter of places\n";
   for (const ArtifactScatter& a : d.artifactScatter)
-    text += entry(a.what, sizeOfScatter(a, d.angular && isOfPositions(a)) +
-                              (a.inWords.empty() ? "" : ": " + a.inWords));
+    text += entry(a.what, sizeOfScatter(a) + (a.inWords.empty() ? "" : ": " + a.inWords));
   return text;
 }
 
@@ -244,7 +243,7 @@ std::string afterwards(const Diagnosis& d, const std::string& session, const std
     return "\nType next, to see what the session can show:\n  mm check " + bagsTyped(session) + "\n";
   if (d.verdict == Verdict::kExplained && d.variations.empty())
     return "\nType next:\n  mm promote " + quoted(calibration) + "\n";
-  if (const ArtifactScatter* of = ofPositions(d);
+  if (const ArtifactScatter* of = ofAnAxis(d);
       d.verdict == Verdict::kScatter && of != nullptr && !of->correctedBy.type.empty())
     return "\nType next:\n  " + addLine(of->correctedBy, session, calibration) + "\n";
   if (d.verdict == Verdict::kScatter && !repeatabilityKnown(d) && !d.angular)
