@@ -21,6 +21,7 @@
 #include "diagnosis/structure.h"
 #include "diagnosis/verdict.h"
 #include "diagnosis/wording.h"
+#include "effects/linearity.h"
 
 namespace mm {
 namespace {
@@ -29,6 +30,7 @@ constexpr int kFewestFreedoms = 5;  // residuals beyond the unknowns
 constexpr int kMostLooks = 3;       // at what stands apart
 constexpr int kMostSamples = 3;     // until none of all questions is likely beside what the last one found
 constexpr double kLikely = 0.5;     // probability from which a cause must predict
+constexpr double kNoSize = 0.5;     // that a cause acts of which a fit of everything finds no size
 
 class Diagnoser {
  public:
@@ -234,6 +236,38 @@ class Diagnoser {
     }
   }
 
+  /// A name has a size: where the fit of everything finds none, two models of the same noise contradict each
+  /// other, and the cause is as likely as not. @return whether one was dropped.
+  bool dropWhatHasNoSize(Look& look) {
+    const Search search(look.questions);
+    std::vector<double> largest(look.found.members.size(), 0.0);  // of a member: |value| / U
+    for (const Answer& a : answersOf(search, look.found)) {
+      double& of = largest[static_cast<std::size_t>(a.member)];
+      const auto result =
+          std::find_if(out_.missing.begin(), out_.missing.end(),
+                       [&](const CandidateResult& r) { return r.effect == a.effect->spec(); });
+      const std::vector<int> linear = linearParameters(*a.effect);
+      if (result == out_.missing.end() ||
+          result->parameters.size() != static_cast<std::size_t>(a.effect->parameterCount())) {
+        of = std::numeric_limits<double>::infinity();  // a curve, or not fitted by itself
+        continue;
+      }
+      for (const int k : linear) {
+        const NamedValue& p = result->parameters[static_cast<std::size_t>(k)];
+        of = std::max(of, std::isfinite(p.std) ? std::abs(p.value) / (2.0 * p.std)
+                                               : std::numeric_limits<double>::infinity());
+      }
+    }
+    const auto least = std::min_element(largest.begin(), largest.end());
+    if (least == largest.end() || !(*least < 1.0)) return false;
+    std::vector<Member> members = look.found.members;
+    const auto j = least - largest.begin();
+    look.posterior.doubt(members[static_cast<std::size_t>(j)].group, kNoSize);
+    members.erase(members.begin() + j);
+    look.found = search.refitted(members, look.found);
+    return true;
+  }
+
   /// Columns of what scatters from place to place.
   static RowMatrix scatterOf(const Questions& q, const Explanation& found) {
     RowMatrix columns(q.rows.length(), 0);
@@ -257,14 +291,18 @@ class Diagnoser {
     if (!look.posterior.sample.settled) out_.chainsDiffer = look.posterior.sample.disagreement;
     out_.resolution = q.resolution;
     dropWhatPredictsNothing(look);
-    sortByGain(search, found);
     report("held out", 0.7);
+    do {
+      out_.missing.clear();
+      out_.profiles.clear();
+      sortByGain(search, found);
+      fillAnswers(search, found, HeldOut(search, found), unit, out_);
+      full.takeSizes(look, fitted, out_);
+    } while (dropWhatHasNoSize(look));
     const HeldOut held(search, found);
     out_.heldOutBefore = held.before() * unit;
     out_.heldOut = held.all() * unit;
     report("answers", 0.85);
-    fillAnswers(search, found, held, unit, out_);
-    full.takeSizes(look, fitted, out_);
     allowForForm(search, found, out_);
     DriftReport drift = driftOf(search, found, look.posterior);
     out_.drift = std::move(drift.drift);
