@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include "base/cancel_scope.h"
 #include "base/error.h"
@@ -116,6 +117,32 @@ class Diagnoser {
         for (int i = problem.firstRow(o); i < problem.firstRow(o + 1); ++i) weight[i] = 0.0;
     }
     return left;
+  }
+
+  /// Bad readings come one at a time and anywhere: what came together was no bad reading.
+  OutliersSetAside outliersOf(const CalibrationResult& fitted) const {
+    constexpr int kFewest = 3;
+    const Problem& problem = *fitted.problem;
+    const auto& all = session_.observations;
+    Eigen::VectorXd known = Eigen::VectorXd::Ones(problem.rowCount());
+    leaveOutUnknownTravel(known);
+    OutliersSetAside out;
+    std::set<int> observations, features;
+    for (int i = 0; i < problem.rowCount(); ++i) {
+      const int o = problem.rows()[i].observation;
+      if (fitted.weight[i] > 0.0 || known[i] == 0.0 || !problem.uses(o)) continue;
+      observations.insert(o);
+      features.insert(all[o].feature);
+      out.largest = std::max(out.largest, std::abs(fitted.residuals[i]));
+    }
+    out.readings = static_cast<int>(observations.size());
+    if (out.readings < kFewest) return out;
+    const auto& balls = session_.artifact.features;
+    if (features.size() == 1 && *features.begin() >= 0 && balls.size() > 1)
+      out.inCommon = "of " + balls[static_cast<std::size_t>(*features.begin())].name;
+    else if (*observations.rbegin() - *observations.begin() + 1 == out.readings)
+      out.inCommon = "one after the other";
+    return out;
   }
 
   /// What is asked grows with the number of residuals, and a long session says more than enough: of the
@@ -288,6 +315,7 @@ class Diagnoser {
     out_.tailDof = look.tailDof;
     out_.asked = look.space->rows();
     out_.residuals = static_cast<int>((fitted.weight.array() > 0.0).count());
+    out_.outliers = outliersOf(fitted);
     if (!look.posterior.sample.settled) out_.chainsDiffer = look.posterior.sample.disagreement;
     out_.resolution = q.resolution;
     dropWhatPredictsNothing(look);

@@ -168,6 +168,15 @@ struct NotJudged {
   bool directionKnown = false;  // at all of them: what is not known is the way since the last reversal
 };
 
+/// Readings that were set aside as outliers, by which no cause was judged.
+struct OutliersSetAside {
+  int readings = 0;
+  double largest = 0.0;  // m (rad), magnitude
+  /// What three or more have in common, and others have not: "of ball b5", "one after the other"; empty:
+  /// nothing.
+  std::string inCommon;
+};
+
 struct Diagnosis {
   std::vector<Doubt> questions;  // what must be answered first: then no cause is named
   CalibrationResult base;        // the model as it is, refitted to the session
@@ -187,6 +196,7 @@ struct Diagnosis {
   double noiseStd = 0.0;    // its standard uncertainty
   double resolution = 0.0;  // m (rad): step of readings that are coarser than their noise; 0: finer
   std::vector<NotJudged> notJudged;
+  OutliersSetAside outliers;
   int asked = 0, residuals = 0;  // by which causes were found; by which their sizes are
   double tailDof = 0.0;       // degrees of freedom of Student's t where the noise has heavy tails; 0: normal
   double chainsDiffer = 0.0;  // largest difference of a probability between the chains; 0: they agree

@@ -75,8 +75,20 @@ std::string errorsOfPositions(const ArtifactScatter& scatter) {
                         : "correct them by a " + table + ", or measure at positions closer together");
 }
 
+std::string outliersInWords(const Diagnosis& d) {
+  const OutliersSetAside& o = d.outliers;
+  return std::to_string(o.readings) + (o.readings == 1 ? " reading was" : " readings were") +
+         " set aside as outliers, up to " + errorInWords(o.largest, d.angular) +
+         (o.inCommon.empty() ? "; with --keep-outliers they are asked, too"
+                             : ", all " + o.inCommon +
+                                   ": something moved or jumped there; diagnose again with --keep-outliers");
+}
+
 std::string scatterSentence(const Diagnosis& d) {
   const std::string nothing = nothingLeft(d);
+  if (!d.outliers.inCommon.empty())
+    return nothing + (positive(d.noise) ? " in the noise of " + noiseWords(d) : std::string()) + ", but " +
+           outliersInWords(d) + ".";
   if (const ArtifactScatter* of = beyondTheFile(d)) return artifactSentence(d, *of);
   if (const ArtifactScatter* of = ofAnAxis(d))
     return nothing + (positive(d.noise) ? " in the noise of " + noiseWords(d) : std::string()) + ", but " +
@@ -156,7 +168,7 @@ std::string explainedSentence(const Diagnosis& d) {
     text += (positive(d.noise) && kFar * d.noise < d.base.repeatability ? ", far below the repeatability of "
                                                                         : ", at the repeatability of ") +
             repeatabilityWords(d);
-  return text + ".";
+  return text + "." + (d.outliers.readings > 0 ? " " + outliersInWords(d) + "." : "");
 }
 
 std::string possibleSentence(const Diagnosis& d) {

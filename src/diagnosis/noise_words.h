@@ -18,6 +18,8 @@ std::string possibleSentence(const Diagnosis& diagnosis);
 /// " Drift: …", of all that is not told by another sentence; else empty.
 std::string driftSentence(const Diagnosis& diagnosis);
 
+/// "7 readings were set aside as outliers, up to 19 um, all of b5: …"
+std::string outliersInWords(const Diagnosis& diagnosis);
 /// What drifts, how far and how slowly: "x drifts by 0.4 um RMS with a time constant of 20 min and follows
 /// no recorded temperature".
 std::string driftInWords(const Diagnosis& diagnosis, const DriftResult& drift);

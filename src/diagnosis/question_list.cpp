@@ -152,6 +152,25 @@ std::vector<MadeShape> QuestionList::shapesOf(const std::vector<Wanted>& wanted)
   return made;
 }
 
+/// Of degrees that are the same at the positions of this session only the lowest is asked.
+void QuestionList::dropAliases(const std::vector<Wanted>& wanted, std::vector<MadeShape>& made) const {
+  constexpr double kSame = 1e-6;                               // one minus the cosine of two columns
+  std::vector<std::pair<std::size_t, Eigen::VectorXd>> asked;  // of the group that comes next
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    if (!made[i].why.empty() || made[i].shape.main != 1 || !wanted[i].nonlinear.empty() ||
+        wanted[i].along != SizeAlong::kSlowly)
+      continue;
+    if (!asked.empty() && wanted[asked.front().first].group != wanted[i].group) asked.clear();
+    Eigen::MatrixXd column = made[i].columns.leftCols(1);
+    space_->project(column);
+    column.normalize();
+    for (const auto& [other, of] : asked)
+      if (1.0 - std::abs(of.dot(column.col(0))) < kSame)
+        made[i].why = "at these positions it is the same as another shape of its cause";
+    if (made[i].why.empty()) asked.emplace_back(i, column.col(0));
+  }
+}
+
 std::vector<QuestionList::Mixed> QuestionList::mixedOf(const Groups& groups, std::size_t first,
                                                        const std::vector<Wanted>& wanted,
                                                        const std::vector<MadeShape>& made) {
@@ -175,6 +194,7 @@ Groups QuestionList::made(std::size_t first, std::size_t count) const {
   for (std::size_t g = first; g < first + count; ++g) out.groups.push_back(groups_[g]);
   const std::vector<Wanted> wanted = wantedOf(first, count);
   std::vector<MadeShape> made = shapesOf(wanted);
+  dropAliases(wanted, made);
   const std::vector<Mixed> mixed = mixedOf(out, first, wanted, made);
 
   // side by side: each shape alone, then those of several members

@@ -43,6 +43,7 @@ class QuestionList {
   };
   std::vector<Wanted> wantedOf(std::size_t first, std::size_t count) const;
   std::vector<MadeShape> shapesOf(const std::vector<Wanted>& wanted) const;
+  void dropAliases(const std::vector<Wanted>& wanted, std::vector<MadeShape>& made) const;
   static std::vector<Mixed> mixedOf(const Groups& groups, std::size_t first,
                                     const std::vector<Wanted>& wanted, const std::vector<MadeShape>& made);
   static void setPrices(std::vector<Shape>& shapes, int passedOver);

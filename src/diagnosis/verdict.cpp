@@ -56,8 +56,9 @@ void decide(Diagnosis& out) {
   out.verdict = !out.profiles.empty()  ? Verdict::kUnknownEffect
                 : confusable           ? Verdict::kConfusable
                 : !out.missing.empty() ? Verdict::kMissingEffect
-                : known && out.noise < mostNoise(out.base) && beyondTheFile(out) == nullptr &&
-                        ofAnAxis(out) == nullptr && beyondTheRepeatability(out) == nullptr
+                : known && out.outliers.inCommon.empty() && out.noise < mostNoise(out.base) &&
+                        beyondTheFile(out) == nullptr && ofAnAxis(out) == nullptr &&
+                        beyondTheRepeatability(out) == nullptr
                     ? Verdict::kExplained
                     : Verdict::kScatter;
 }

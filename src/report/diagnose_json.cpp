@@ -136,6 +136,8 @@ Json diagnosisJson(const Diagnosis& d) {
        figureOf(d.angular, "noise_std", found(d.noiseStd)),
        d.resolution > 0.0 ? figureOf(d.angular, "resolution", d.resolution) : Json(),
        entryIf(!d.notJudged.empty(), "not_judged", jsonList(d.notJudged, notJudgedJson)),
+       entryIf(d.outliers.readings > 0, "outliers", d.outliers.readings),
+       entryIf(d.outliers.readings > 0, "outliers_in_words", outliersInWords(d)),
        entryIf(d.asked < d.residuals, "residuals_asked", d.asked),
        {{"chains_differ", d.chainsDiffer},
         {"tail_dof", found(d.tailDof)},

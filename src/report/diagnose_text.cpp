@@ -147,6 +147,7 @@ std::string figuresText(const Diagnosis& d) {
   if (d.resolution > 0.0)
     text += "\n  most readings agree within the resolution of " + length(d.resolution, d.angular) +
             ": they were treated as spread over a quarter of it";
+  if (d.outliers.readings > 0) text += "\n  " + outliersInWords(d);
   for (const NotJudged& n : d.notJudged)
     text += format("\n  %d observation%s not evaluated: ", n.observations,
                    n.observations == 1 ? " is" : "s are") +
