@@ -32,7 +32,7 @@ struct Sending {
 
 }  // namespace
 
-HttpConnection::HttpConnection(tcp::socket socket, Server::Inside& server)
+HttpConnection::HttpConnection(tcp::socket socket, Server& server)
     : server_(server), stream_(std::move(socket)) {
   beast::error_code ignored;
   std::ostringstream peer;
@@ -40,13 +40,11 @@ HttpConnection::HttpConnection(tcp::socket socket, Server::Inside& server)
   peer_ = peer.str();
 }
 
-void HttpConnection::begin() { readHeader(); }
-
 void HttpConnection::readHeader() {
   parser_.emplace();
-  parser_->header_limit(static_cast<std::uint32_t>(server_.options().largestHeader));
-  parser_->body_limit(server_.options().largestUpload);
-  stream_.expires_after(server_.options().headerTime);
+  parser_->header_limit(static_cast<std::uint32_t>(server_.options_.largestHeader));
+  parser_->body_limit(server_.options_.largestUpload);
+  stream_.expires_after(server_.options_.headerTime);
   auto self = shared_from_this();
   http::async_read_header(stream_, buffer_, *parser_,
                           [self](beast::error_code error, std::size_t) { self->headerRead(error); });
@@ -54,7 +52,7 @@ void HttpConnection::readHeader() {
 
 void HttpConnection::failed(beast::error_code error) {
   if (error == http::error::body_limit)
-    return turnAway(413, "more than " + std::to_string(server_.options().largestUpload >> 20) +
+    return turnAway(413, "more than " + std::to_string(server_.options_.largestUpload >> 20) +
                              " MB; put the file on this computer and open it with mm workbench");
   if (error == http::error::header_limit) return turnAway(431, "the request's header is too long");
   if (error.category() == http::make_error_code(http::error::bad_target).category() &&
@@ -70,21 +68,21 @@ std::string HttpConnection::header(http::field name) const {
 
 WebAnswer HttpConnection::refusal(const Target& target) const {
   const auto& request = parser_->get();
-  if (request.count(http::field::host) != 1 || !hostAllowed(header(http::field::host), server_.hosts()))
+  if (request.count(http::field::host) != 1 || !hostAllowed(header(http::field::host), server_.hosts_))
     return WebAnswer::say(421, "the request names '" + header(http::field::host).substr(0, 100) +
                                    "' as its host, and this server is not known under it; open the address "
                                    "that it printed, or start it with that name (--host, or hosts:=)");
-  if (request.count(http::field::origin) > 1 || !originAllowed(header(http::field::origin), server_.hosts()))
+  if (request.count(http::field::origin) > 1 || !originAllowed(header(http::field::origin), server_.hosts_))
     return WebAnswer::say(403, "the request comes from a page of another origin");
   if (!target.wellFormed) return WebAnswer::say(400, "the request's target is not well formed");
   const auto shown = request["X-Workbench-Token"];
-  if (!sameToken(target.token, server_.options().token) &&
-      !sameToken(std::string(shown.data(), shown.size()), server_.options().token))
+  if (!sameToken(target.token, server_.options_.token) &&
+      !sameToken(std::string(shown.data(), shown.size()), server_.options_.token))
     return WebAnswer::say(403, "missing or wrong access token; open the address that mm workbench printed");
   if (request.method() != http::verb::get && request.method() != http::verb::post)
     return WebAnswer::say(405, "only GET and POST are supported");
   const auto length = parser_->content_length();
-  const std::size_t most = largestBody(target.path, server_.options());
+  const std::size_t most = largestBody(target.path, server_.options_);
   if (length && *length > most && target.path != kUpload)
     return WebAnswer::say(413, "the request's body has more than " + std::to_string(most >> 10) + " KB");
   return WebAnswer();
@@ -98,7 +96,7 @@ void HttpConnection::headerRead(beast::error_code error) {
   if (refused.status != 200) return send(refused, true);
   if (!trusted_) server_.trusted(this);
   trusted_ = true;
-  if (!server_.rate().take(std::chrono::steady_clock::now()))
+  if (!server_.rate_.take(std::chrono::steady_clock::now()))
     return send(WebAnswer::say(429, "too many requests; wait a second"), false);
   if (target.path == "/live" && beast::websocket::is_upgrade(parser_->get())) return becomeLive();
   readBody(target);
@@ -113,9 +111,9 @@ void HttpConnection::readBody(const Target& target) {
     if (!upload_)
       return turnAway(409, "another file is being sent; send this one again after it has arrived");
   } else {
-    parser_->body_limit(largestBody(target.path, server_.options()));
+    parser_->body_limit(largestBody(target.path, server_.options_));
   }
-  stream_.expires_after(server_.options().bodyTime);
+  stream_.expires_after(server_.options_.bodyTime);
   auto self = shared_from_this();
   http::async_read(stream_, buffer_, *parser_, [self, target](beast::error_code error, std::size_t) {
     if (error == http::error::body_limit && target.path != kUpload)
@@ -129,19 +127,18 @@ void HttpConnection::readBody(const Target& target) {
 
 WebAnswer HttpConnection::answerOf(const Target& target) {
   try {
-    WebHandler& handler = server_.handler();
-    if (parser_->get().method() == http::verb::get) return handler.get(target.path);
-    return handler.post(target.path, target.query, std::move(parser_->get().body()), peer_);
+    if (parser_->get().method() == http::verb::get) return server_.handler_.get(target.path);
+    return server_.handler_.post(target.path, target.query, std::move(parser_->get().body()), peer_);
   } catch (const std::exception& e) {
     return WebAnswer::say(400, e.what());
   }
 }
 
 void HttpConnection::becomeLive() {
-  if (!server_.roomForSocket())
+  if (server_.sockets_.size() >= server_.options_.mostSockets)
     return send(WebAnswer::say(503, "too many pages of the workbench are open; close one"), true);
-  const auto socket = std::make_shared<LiveSocket>(std::move(stream_), server_, server_.nextClient());
-  server_.joined(socket);
+  const auto socket = std::make_shared<LiveSocket>(std::move(stream_), server_, ++server_.clients_);
+  server_.sockets_.push_back(socket);
   const auto request = parser_->release();
   left_ = true;
   server_.left(this);  // last use of this connection's place; `self` of the caller still holds it
@@ -172,7 +169,7 @@ void HttpConnection::send(const WebAnswer& answer, bool last) {
   response.keep_alive(keep);
   response.prepare_payload();
   sending_ = sending;
-  stream_.expires_after(server_.options().answerTime);
+  stream_.expires_after(server_.options_.answerTime);
   auto self = shared_from_this();
   http::async_write(stream_, response, [self, keep](beast::error_code error, std::size_t) {
     self->sending_ = nullptr;

@@ -8,16 +8,16 @@
 #include <string>
 
 #include "workbench/access.h"
-#include "workbench/server_inside.h"
+#include "workbench/server.h"
 
 namespace mm {
 
 /// One connection of a client: requests one after the other, until it becomes a live connection or ends.
 class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
  public:
-  HttpConnection(boost::asio::ip::tcp::socket socket, Server::Inside& server);
+  HttpConnection(boost::asio::ip::tcp::socket socket, Server& server);
 
-  void begin();                                                           ///< waits for the first request
+  void readHeader();                                                      ///< waits for a request
   void close();                                                           ///< at once
   std::chrono::steady_clock::time_point since() const { return since_; }  ///< accepted
   /// Says in one answer why nothing else is answered, and ends.
@@ -25,7 +25,6 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
  private:
   using Parser = boost::beast::http::request_parser<boost::beast::http::string_body>;
-  void readHeader();
   void headerRead(boost::beast::error_code error);
   /// Why the request is refused before its body is read; status 200: it is not.
   WebAnswer refusal(const Target& target) const;
@@ -37,7 +36,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   void leave();
   std::string header(boost::beast::http::field name) const;
 
-  Server::Inside& server_;
+  Server& server_;
   boost::beast::tcp_stream stream_;
   boost::beast::flat_buffer buffer_;
   std::optional<Parser> parser_;

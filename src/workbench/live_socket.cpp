@@ -14,15 +14,15 @@ constexpr int kSendBuffer = 64 << 10;          // bytes
 
 }  // namespace
 
-LiveSocket::LiveSocket(beast::tcp_stream stream, Server::Inside& server, std::uint64_t client)
-    : server_(server), socket_(std::move(stream)), client_(client), rate_(server.options().messagesASecond) {}
+LiveSocket::LiveSocket(beast::tcp_stream stream, Server& server, std::uint64_t client)
+    : server_(server), socket_(std::move(stream)), client_(client), rate_(server.options_.messagesASecond) {}
 
 void LiveSocket::begin(const http::request<http::string_body>& request) {
   // the socket has times of its own from here on
   beast::get_lowest_layer(socket_).expires_never();
   websocket::stream_base::timeout times{};
-  times.handshake_timeout = server_.options().headerTime;
-  times.idle_timeout = server_.options().idleTime;
+  times.handshake_timeout = server_.options_.headerTime;
+  times.idle_timeout = server_.options_.idleTime;
   times.keep_alive_pings = true;
   socket_.set_option(times);
   socket_.read_message_max(kLargestMessage);
@@ -35,7 +35,7 @@ void LiveSocket::begin(const http::request<http::string_body>& request) {
     if (error) return self->leave();
     self->open_ = true;
     self->socket_.text(true);
-    self->server_.handler().came(self->client_);
+    self->server_.handler_.came(self->client_);
     self->offer(std::make_shared<const std::string>("{\"client\":" + std::to_string(self->client_) + "}"));
     self->read();
     self->server_.wake();
@@ -50,7 +50,7 @@ void LiveSocket::read() {
     self->buffer_.consume(self->buffer_.size());
     if (self->rate_.take(std::chrono::steady_clock::now())) {
       try {
-        self->server_.handler().heard(self->client_, text);
+        self->server_.handler_.heard(self->client_, text);
       } catch (const std::exception&) {
         return self->close();  // no client of ours says such things
       }

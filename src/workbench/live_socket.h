@@ -7,14 +7,14 @@
 #include <memory>
 #include <string>
 
-#include "workbench/server_inside.h"
+#include "workbench/server.h"
 
 namespace mm {
 
 /// The live connection of one client. It holds one state that is being sent and the latest one after it.
 class LiveSocket : public std::enable_shared_from_this<LiveSocket> {
  public:
-  LiveSocket(boost::beast::tcp_stream stream, Server::Inside& server, std::uint64_t client);
+  LiveSocket(boost::beast::tcp_stream stream, Server& server, std::uint64_t client);
 
   /// Takes the request that asks for it.
   void begin(const boost::beast::http::request<boost::beast::http::string_body>& request);
@@ -28,7 +28,7 @@ class LiveSocket : public std::enable_shared_from_this<LiveSocket> {
   void write();
   void leave();
 
-  Server::Inside& server_;
+  Server& server_;
   boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
   boost::beast::flat_buffer buffer_;
   std::shared_ptr<const std::string> sending_, next_;

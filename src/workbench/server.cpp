@@ -7,7 +7,6 @@
 #include "workbench/access.h"
 #include "workbench/http_connection.h"
 #include "workbench/live_socket.h"
-#include "workbench/server_inside.h"
 
 namespace mm {
 namespace {
@@ -43,7 +42,7 @@ bool RateLimit::take(std::chrono::steady_clock::time_point now) {
   return true;
 }
 
-Server::Inside::Inside(ServerOptions options, WebHandler& handler)
+Server::Server(ServerOptions options, WebHandler& handler)
     : options_(std::move(options)), handler_(handler), rate_(options_.requestsASecond) {
   if (options_.token.empty()) options_.token = newToken();
   boost::system::error_code failed;
@@ -67,9 +66,6 @@ Server::Inside::Inside(ServerOptions options, WebHandler& handler)
   if (address.is_unspecified())  // each of these leads here
     for (const std::string& own : addressesOfThisComputer()) names.push_back(own);
   hosts_ = hostsOf(options_.address, port_, names);
-}
-
-void Server::Inside::begin() {
   accept();
   tick();
   thread_ = std::thread([this] {
@@ -83,7 +79,7 @@ void Server::Inside::begin() {
   });
 }
 
-void Server::Inside::stop() {
+Server::~Server() {
   boost::asio::post(context_, [this] {
     boost::system::error_code ignored;
     acceptor_.close(ignored);
@@ -94,10 +90,10 @@ void Server::Inside::stop() {
     while (!sockets_.empty()) sockets_.front()->close();
     context_.stop();
   });
-  if (thread_.joinable()) thread_.join();
+  thread_.join();
 }
 
-void Server::Inside::accept() {
+void Server::accept() {
   if (waiting_.size() >= options_.mostWaiting) {
     const auto due = waiting_.front()->since() + options_.undisturbed;
     if (due > std::chrono::steady_clock::now()) return acceptAt(due);
@@ -114,28 +110,28 @@ void Server::Inside::accept() {
   });
 }
 
-void Server::Inside::acceptAt(std::chrono::steady_clock::time_point when) {
+void Server::acceptAt(std::chrono::steady_clock::time_point when) {
   pause_.expires_at(when);
   pause_.async_wait([this](boost::system::error_code) {  // cancelled: a place is free
     if (acceptor_.is_open()) accept();
   });
 }
 
-void Server::Inside::admit(tcp::socket socket) {
+void Server::admit(tcp::socket socket) {
   const auto connection = std::make_shared<HttpConnection>(std::move(socket), *this);
   joined(connection);
   if (waiting_.size() + trusted_.size() + sockets_.size() > options_.mostConnections)
     connection->turnAway(503, "too many connections; close other pages of the workbench");
   else
-    connection->begin();
+    connection->readHeader();
 }
 
-void Server::Inside::joined(const std::shared_ptr<HttpConnection>& connection) {
+void Server::joined(const std::shared_ptr<HttpConnection>& connection) {
   while (waiting_.size() >= options_.mostWaiting) waiting_.front()->close();
   waiting_.push_back(connection);
 }
 
-void Server::Inside::trusted(HttpConnection* connection) {
+void Server::trusted(HttpConnection* connection) {
   for (auto i = waiting_.begin(); i != waiting_.end(); ++i) {
     if (i->get() != connection) continue;
     trusted_.splice(trusted_.end(), waiting_, i);
@@ -144,29 +140,27 @@ void Server::Inside::trusted(HttpConnection* connection) {
   }
 }
 
-void Server::Inside::left(HttpConnection* connection) {
+void Server::left(HttpConnection* connection) {
   const auto same = [connection](const auto& other) { return other.get() == connection; };
   waiting_.remove_if(same);
   trusted_.remove_if(same);
   pause_.cancel();
 }
 
-std::shared_ptr<void> Server::Inside::placeForUpload() {
+std::shared_ptr<void> Server::placeForUpload() {
   if (!upload_.expired()) return nullptr;
   const auto place = std::make_shared<char>();
   upload_ = place;
   return place;
 }
 
-void Server::Inside::joined(const std::shared_ptr<LiveSocket>& socket) { sockets_.push_back(socket); }
-
-void Server::Inside::left(LiveSocket* socket) {
+void Server::left(LiveSocket* socket) {
   const std::uint64_t client = socket->client();
   sockets_.remove_if([socket](const auto& other) { return other.get() == socket; });
   handler_.gone(client);
 }
 
-void Server::Inside::tick() {
+void Server::tick() {
   told_ = std::chrono::steady_clock::now();
   tickAt(told_ + kAfterFailure);  // the handler may throw, and the next state is due all the same
   if (!sockets_.empty()) {
@@ -178,14 +172,14 @@ void Server::Inside::tick() {
   tickAt(told_ + handler_.period());
 }
 
-void Server::Inside::tickAt(std::chrono::steady_clock::time_point when) {
+void Server::tickAt(std::chrono::steady_clock::time_point when) {
   timer_.expires_at(when);
   timer_.async_wait([this](boost::system::error_code stopped) {
     if (!stopped) tick();
   });
 }
 
-void Server::Inside::wake() {
+void Server::wake() {
   if (waking_.exchange(true)) return;  // a state is due already
   boost::asio::post(context_, [this] {
     waking_ = false;
@@ -193,20 +187,7 @@ void Server::Inside::wake() {
   });
 }
 
-Server::Server(ServerOptions options, WebHandler& handler)
-    : inside_(std::make_unique<Inside>(std::move(options), handler)) {
-  inside_->begin();
-}
-
-Server::~Server() { inside_->stop(); }
-
-unsigned Server::port() const { return inside_->port(); }
-const std::string& Server::token() const { return inside_->options().token; }
-void Server::wake() { inside_->wake(); }
-
-std::string Server::url() const { return inside_->url(); }
-
-std::string Server::Inside::url() const {
+std::string Server::url() const {
   boost::system::error_code failed;
   const auto address = boost::asio::ip::make_address(options_.address, failed);
   std::string host = options_.address;
