@@ -263,32 +263,19 @@ WebAnswer Bench::action(const std::string& name, const std::string& json, const 
   if (name == "rollback") return enqueue(name, who, [this, id] { return work_.rollback(id); });
   if (name == "verify") return enqueue(name, who, [this] { return work_.verify(); });
   if (name == "report") return enqueue(name, who, [this] { return work_.report(); });
-  if (name == "export") {
-    const std::string controller = body.text("controller");
-    return enqueue(name, who, [this, controller] { return work_.exportTo(controller); });
-  }
-  if (name == kLook) {
-    const std::string plan = body.text("plan");
-    return enqueue(looks_, name, who, [this, plan] { return work_.lookAt(plan); });
-  }
-  if (name == kPreview) {
-    const ImportWish wish = wishOf(body);
-    return enqueue(looks_, name, who, [this, wish] { return work_.preview(wish); });
-  }
-  if (name == "import") {
-    const ImportWish wish = wishOf(body);
-    return enqueue(name, who, [this, wish] { return work_.import(wish); });
-  }
+  if (name == "export")
+    return enqueue(name, who,
+                   [this, controller = body.text("controller")] { return work_.exportTo(controller); });
+  if (name == kLook)
+    return enqueue(looks_, name, who, [this, plan = body.text("plan")] { return work_.lookAt(plan); });
+  if (name == kPreview)
+    return enqueue(looks_, name, who, [this, wish = wishOf(body)] { return work_.preview(wish); });
+  if (name == "import") return enqueue(name, who, [this, wish = wishOf(body)] { return work_.import(wish); });
   if (name == "take_live") return enqueue(name, who, [this] { return work_.openLive(); });
-  if (name == "calibrate") {
-    const std::string model = body.text("model"), method = body.text("method");
-    const std::uint64_t seed = body.number("seed");
-    return enqueue(name, who, [this, model, method, seed] { return work_.calibrate(model, method, seed); });
-  }
-  return immediately(name, body, who);
-}
-
-WebAnswer Bench::immediately(const std::string& name, const RequestBody& body, const std::string& who) {
+  if (name == "calibrate")
+    return enqueue(name, who,
+                   [this, model = body.text("model"), method = body.text("method"),
+                    seed = body.number("seed")] { return work_.calibrate(model, method, seed); });
   if (name == "cancel") return cancel(who);
   if (live_ == nullptr && isMotion(name))
     return WebAnswer::say(409, "there is no machine: this workbench shows a recorded session");

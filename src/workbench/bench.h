@@ -71,7 +71,6 @@ class Bench : public WebHandler {
   WebAnswer action(const std::string& name, const std::string& body, const std::string& peer);
   WebAnswer upload(const std::string& query, std::string body, const std::string& peer);
   WebAnswer motion(const std::string& name, const RequestBody& body, const std::string& who);
-  WebAnswer immediately(const std::string& name, const RequestBody& body, const std::string& who);
   WebAnswer cancel(const std::string& who);
   WebAnswer stop(const std::string& who);
   WebAnswer arm(std::uint64_t client, const std::string& who);
