@@ -1,5 +1,6 @@
 #include "report/report_page.h"
 
+#include <boost/algorithm/string/replace.hpp>
 #include <string_view>
 #include <utility>
 
@@ -12,11 +13,6 @@ namespace mm {
 namespace {
 
 namespace fs = std::filesystem;
-
-void replaceAll(std::string& text, const std::string& what, const std::string& by) {
-  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size()))
-    text.replace(at, what.size(), by);
-}
 
 std::string plotlyText(const fs::path& given) {
   const std::string fetch =
@@ -44,7 +40,7 @@ std::string escapedHtml(const std::string& text) {
   std::string out = text;
   for (const auto& [plain, escaped] :
        {std::pair{"&", "&amp;"}, {"<", "&lt;"}, {">", "&gt;"}, {"\"", "&quot;"}, {"'", "&#39;"}})
-    replaceAll(out, plain, escaped);
+    boost::replace_all(out, plain, escaped);
   return out;
 }
 
@@ -54,13 +50,13 @@ ReportFiles loadReportFiles(const fs::path& plotly) {
                         webFile("report_space.js") + webFile("report.js"),
                     plotlyText(plotly)};
   // inside the library's strings and comments only: nothing may end its element
-  replaceAll(files.plotly, "</script", "<\\/script");
+  boost::replace_all(files.plotly, "</script", "<\\/script");
   return files;
 }
 
 std::string filledPage(const ReportFiles& files, const PageContents& contents) {
   std::string data = contents.json;
-  replaceAll(data, "<", "\\u003c");
+  boost::replace_all(data, "<", "\\u003c");
   const std::pair<const char*, std::string> marks[] = {{"{{title}}", escapedHtml(contents.title)},
                                                        {"{{style}}", files.css},
                                                        {"{{sentence}}", escapedHtml(contents.sentence)},

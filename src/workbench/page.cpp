@@ -1,5 +1,7 @@
 #include "workbench/page.h"
 
+#include <boost/algorithm/string/replace.hpp>
+
 #include "base/error.h"
 #include "base/text.h"
 #include "report/web_files.h"
@@ -24,11 +26,6 @@ const Library kLibraries[] = {{"preact.mjs", "preact"},     {"hooks.mjs", "preac
                               {"uPlot.mjs", "uplot"},       {"uPlot.min.css", "uplot"},
                               {"three.module.js", "three"}, {"three.core.js", "three"}};
 
-void replaceAll(std::string& text, const std::string& what, const std::string& by) {
-  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size()))
-    text.replace(at, what.size(), by);
-}
-
 }  // namespace
 
 Page::Page() : html_(webFile("workbench/workbench.html")) {
@@ -52,8 +49,8 @@ Page::Page() : html_(webFile("workbench/workbench.html")) {
 WebAnswer Page::index(const std::string& token) const {
   std::string html = html_;
   const std::string nonce = newToken();
-  replaceAll(html, "{{base}}", "/t/" + token);
-  replaceAll(html, "{{nonce}}", nonce);
+  boost::replace_all(html, "{{base}}", "/t/" + token);
+  boost::replace_all(html, "{{nonce}}", nonce);
   WebAnswer answer = WebAnswer::text(std::move(html), "text/html; charset=utf-8");
   answer.policy =
       "default-src 'none'; script-src 'self' 'nonce-" + nonce +
