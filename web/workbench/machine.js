@@ -111,12 +111,6 @@ function word(text, at, c) {
   return sprite;
 }
 
-/** The next length below that is 1, 2 or 5 times a power of ten. */
-function roundLength(x) {
-  const power = 10 ** Math.floor(Math.log10(x));
-  return power * [5, 2, 1].find((n) => n * power <= x * (1 + 1e-9));
-}
-
 function discard(object) {
   if (object.geometry) object.geometry.dispose();
   if (!object.material) return;
@@ -246,7 +240,7 @@ export function Space({ urdf, joints, readings, points, lines, balls, mark, labe
       const span = box.getSize(new THREE.Vector3()).length() || 1;
       box.getCenter(w.view.centre);
       w.view.far = 1.9 * span;
-      const long = roundLength(0.2 * span), frame = new THREE.AxesHelper(long);
+      const long = roundDown(0.2 * span), frame = new THREE.AxesHelper(long);
       frame.setColors(new THREE.Color("#d55e00"), new THREE.Color("#009e73"), new THREE.Color(w.c.blue));
       const corner = box.min.clone().addScalar(-0.06 * span); // beside what was measured, not in it
       frame.position.copy(corner);
