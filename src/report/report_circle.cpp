@@ -13,46 +13,35 @@ namespace {
 
 constexpr const char* kBallBar = "ball_bar";  // the artifact that mm import makes of one
 
-/// A row of an imported ball bar: the reading at which the tip was at the nominal radius from the centre.
-struct BarRow {
-  int feature = 0;
-  Eigen::Vector3d centre, out;      // m; out: from the centre to the tip, in workpiece
-  double radius = 0.0, left = 0.0;  // m, nominal; um, radial deviation that the model leaves
-};
-
-std::vector<BarRow> barRows(const Session& session, const ResidualOf& left) {
-  std::vector<BarRow> rows;
-  if (session.artifact.name != kBallBar || !session.artifact.poseKnown) return rows;
+/// The circle of one imported ball bar: the tip was further out than the nominal circle by as much as the
+/// reading was nearer. @param first, second of its axes, on return.
+std::vector<CirclePlace> circleOfBar(const Session& session, const ResidualOf& left, int feature, int& first,
+                                     int& second) {
+  const Feature& bar = session.artifact.features[static_cast<std::size_t>(feature)];
+  // of each reading: from the centre to the tip (m, workpiece), and the radial deviation that is left (um)
+  std::vector<std::pair<Eigen::Vector3d, double>> rows;
+  Eigen::Vector3d squares = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < session.observations.size(); ++i) {
     const Observation& o = session.observations[i];
-    if (o.kind != ObservationKind::kContact || o.feature < 0) continue;
-    const Feature& bar = session.artifact.features[static_cast<std::size_t>(o.feature)];
-    const Eigen::Vector3d tip = session.machine.nominal(o.position.data(), kNotMeasured).position;
-    const BarRow row{o.feature, bar.position, tip - bar.position, bar.radius,
-                     -left(static_cast<int>(i), 0) / kMicrometre};
-    if (row.out.norm() > 0.0 && std::isfinite(row.left)) rows.push_back(row);
+    if (o.kind != ObservationKind::kContact || o.feature != feature) continue;
+    const Eigen::Vector3d out =
+        session.machine.nominal(o.position.data(), kNotMeasured).position - bar.position;
+    const double rest = -left(static_cast<int>(i), 0) / kMicrometre;
+    if (!(out.norm() > 0.0) || !std::isfinite(rest)) continue;
+    squares += out.cwiseAbs2();
+    rows.emplace_back(out, rest);
   }
-  return rows;
-}
-
-/// The circle of one ball bar: the tip was further out than the nominal circle by as much as the reading was
-/// nearer. @param first, second of its axes, on return.
-std::vector<CirclePlace> circleOfBar(const std::vector<BarRow>& rows, int feature, int& first, int& second) {
-  Eigen::Vector3d squares = Eigen::Vector3d::Zero();
-  for (const BarRow& row : rows)
-    if (row.feature == feature) squares += row.out.cwiseAbs2();
   int normal = 0;
   squares.minCoeff(&normal);
   first = (normal + 1) % 3;
   second = (normal + 2) % 3;
   const auto in = [&](const Eigen::Vector3d& v) { return Eigen::Vector2d(v[first], v[second]); };
   std::vector<CirclePlace> places;
-  for (const BarRow& row : rows) {
-    if (row.feature != feature) continue;
-    const Eigen::Vector3d outwards = row.out.normalized();
-    const double deviation = (row.radius - row.out.norm()) / kMicrometre;
-    places.push_back({in(row.centre + row.radius * outwards) / kMillimetre, deviation * in(outwards),
-                      row.left * in(outwards)});
+  for (const auto& [out, rest] : rows) {
+    const Eigen::Vector3d outwards = out.normalized();
+    const double deviation = (bar.radius - out.norm()) / kMicrometre;
+    places.push_back({in(bar.position + bar.radius * outwards) / kMillimetre, deviation * in(outwards),
+                      rest * in(outwards)});
   }
   return places;
 }
@@ -118,13 +107,11 @@ std::vector<CircleTest> circleTests(const CalibrationResult& fitted) {
                return {{tip[a], tip[b]}, {at[a] - tip[a], at[b] - tip[b]}, {rest[a], rest[b]}};
              });
   }
-  const std::vector<BarRow> bars = barRows(session, left);
-  for (std::size_t f = 0; f < session.artifact.features.size(); ++f) {
+  if (session.artifact.name != kBallBar || !session.artifact.poseKnown) return tests;
+  for (int f = 0; f < static_cast<int>(session.artifact.features.size()); ++f) {
     int first = 0, second = 0;
-    std::map<int, std::vector<CirclePlace>> places;
-    places[-1] = circleOfBar(bars, static_cast<int>(f), first, second);
-    if (!places[-1].empty())
-      add(places, axes[static_cast<std::size_t>(first)], axes[static_cast<std::size_t>(second)]);
+    const std::vector<CirclePlace> places = circleOfBar(session, left, f, first, second);
+    add({{-1, places}}, axes[static_cast<std::size_t>(first)], axes[static_cast<std::size_t>(second)]);
   }
   return tests;
 }
