@@ -26,23 +26,19 @@ void addFits(ReportContents& report, const Session& session, const ReportOptions
   } catch (const Error&) {
     report.held.reset();  // e.g. a sensor of the calibration that this session does not have
   }
-  report.added = effectsFound(report.diagnosis);
-  if (!report.added.empty()) {
-    std::vector<EffectSpec> effects = report.calibration.effects;
-    effects.insert(effects.end(), report.added.begin(), report.added.end());
-    report.improved = fitWith(session, report.calibration, effects, fit);
-  }
+  const std::vector<EffectSpec> added = effectsFound(report.diagnosis);
+  if (added.empty()) return;
+  std::vector<EffectSpec> effects = report.calibration.effects;
+  effects.insert(effects.end(), added.begin(), added.end());
+  report.improved = fitWith(session, report.calibration, effects, fit);
 }
 
 /// What a page has of every session, with a calibration or without.
 ReportContents begun(const Session& session, const ReportOptions& options) {
   ReportContents report;
+  static_cast<ReportHead&>(report) = options;
   report.session = &session;
-  report.sessionPath = options.sessionPath;
-  report.created = options.created.empty() ? utcNow() : options.created;
-  report.serial = options.serial;
-  report.operatorName = options.operatorName;
-  report.curves = options.curves;
+  if (report.created.empty()) report.created = utcNow();
   report.tests = standardTests(session);
   return report;
 }
@@ -74,7 +70,6 @@ void addTests(ReportContents& report) {
 ReportContents makeReport(const Session& session, const Calibration& calibration,
                           const ReportOptions& options) {
   ReportContents report = begun(session, options);
-  report.calibrationPath = options.calibrationPath;
   report.calibration = calibration;
   report.diagnosis = diagnoseCalibration(session, calibration, options.diagnose);
   ModelSpec model;

@@ -27,20 +27,24 @@ struct RotationPair {
   RotationTest measured, left;
 };
 
-/// Everything that the report's page shows. Refers to the session, which must outlive it.
-struct ReportContents {
-  const Session* session = nullptr;
+/// What a page says of itself, as whoever asks for it states it.
+struct ReportHead {
   std::string sessionPath, calibrationPath;  // as typed; no calibration: the machine as it is
-  std::string created;                       // ISO 8601, UTC
+  std::string created;                       // ISO 8601, UTC; empty, of what is asked for: now
   std::string serial, operatorName;          // of the machine; who measured; empty: not told
-  std::vector<FoundFeature> features;        // balls and points where the session has them
+  std::vector<ConvergenceCurve> curves;
+};
+
+/// Everything that the report's page shows. Refers to the session, which must outlive it.
+struct ReportContents : ReportHead {
+  const Session* session = nullptr;
+  std::vector<FoundFeature> features;  // balls and points where the session has them
   Calibration calibration;
   Diagnosis diagnosis;                       // its base: the model refitted to this session
   std::optional<CalibrationResult> nominal;  // no effects
   std::optional<CalibrationResult>
       held;  // the calibration's values held, only the session's own unknowns fitted
   std::optional<CalibrationResult> improved;  // with what the diagnosis named added
-  std::vector<EffectSpec> added;              // effects of `improved` that the calibration does not have
   PointSet pointSet;
   std::vector<VariableView> variables;
   ResidualVectors vectors;
@@ -52,17 +56,12 @@ struct ReportContents {
   std::vector<RotationPair> rotations;
   std::vector<LengthLineTest> lengths;
   std::vector<StandardTest> tests;  // in words, those of these that the rows alone tell
-  std::vector<ConvergenceCurve> curves;
 
   bool calibrated() const { return !calibrationPath.empty(); }  ///< or of the machine as it is
 };
 
-struct ReportOptions {
+struct ReportOptions : ReportHead {
   DiagnoseOptions diagnose;
-  std::string sessionPath, calibrationPath;
-  std::vector<ConvergenceCurve> curves;
-  std::string created;  // empty: now
-  std::string serial, operatorName;
 };
 
 /// Diagnoses the calibration on the session and collects what the page shows.
