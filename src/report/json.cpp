@@ -5,7 +5,6 @@
 #include "design/weak_directions.h"
 #include "report/found_features.h"
 #include "report/json_parts.h"
-#include "report/quantiles.h"
 #include "report/symbols_of.h"
 #include "report/text_parts.h"
 #include "thermal/thermal_network.h"
@@ -36,11 +35,6 @@ Json parametersJson(const CalibrationResult& result) {
                     parameterJson(p.name, result.x[i] * p.toUnit, result.std(i) * p.toUnit, p.unit)}));
   }
   return list;
-}
-
-bool isRotary(const Domain& domain, const std::string& joint) {
-  const int found = domain.findJoint(joint);
-  return found >= 0 && domain.joints[static_cast<std::size_t>(found)].kind == JointKind::kRotary;
 }
 
 Json networksJson(const Model& model) {

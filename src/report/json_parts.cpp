@@ -6,8 +6,7 @@
 #include "base/quantity_words.h"
 #include "base/units.h"
 #include "effects/effect_words.h"
-#include "machine/joint_units.h"
-#include "report/quantiles.h"
+#include "report/text_parts.h"
 
 namespace mm {
 namespace {

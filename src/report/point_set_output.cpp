@@ -5,7 +5,6 @@
 #include "design/point_set.h"
 #include "machine/joint_units.h"
 #include "report/json_parts.h"
-#include "report/quantiles.h"
 #include "report/text_parts.h"
 #include "session/session_summary.h"
 

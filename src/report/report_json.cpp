@@ -13,7 +13,6 @@
 #include "report/iso_tests_json.h"
 #include "report/json.h"
 #include "report/json_parts.h"
-#include "report/quantiles.h"
 #include "report/report_contents.h"
 #include "report/symbols_of.h"
 #include "report/text_parts.h"

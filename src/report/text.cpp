@@ -8,7 +8,6 @@
 #include "effects/linearity.h"
 #include "report/certificate_figures.h"
 #include "report/found_features.h"
-#include "report/quantiles.h"
 #include "report/symbols_of.h"
 #include "report/text_parts.h"
 #include "session/session_summary.h"

@@ -6,9 +6,22 @@
 #include "base/nearest_name.h"
 #include "base/quantity_words.h"
 #include "base/units.h"
-#include "report/quantiles.h"
+#include "uncertainty/task_uncertainty.h"
 
 namespace mm {
+namespace {
+
+/// Characters of a text, not bytes.
+long characters(const std::string& text) {
+  return std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; });
+}
+
+std::string explainedText(double share, double p) {
+  const std::string chance = probabilityText(p);
+  return format("%5.1f %%   p ", 100.0 * share) + (chance.front() == '<' ? "" : "= ") + chance;
+}
+
+}  // namespace
 
 std::string length(double value, bool angular) {
   if (!std::isfinite(value)) return "-";
@@ -27,15 +40,11 @@ std::string withUncertainty(double value, double std, const std::string& unit) {
 }
 
 std::string padded(const std::string& text, int width) {
-  const auto characters = std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; });
-  return text + std::string(static_cast<std::size_t>(std::max<long>(0, width - characters)), ' ');
+  return text + std::string(static_cast<std::size_t>(std::max(0L, width - characters(text))), ' ');
 }
 
 std::string wrapped(const std::string& head, const std::string& text) {
   constexpr long kWidth = 100;
-  const auto characters = [](const std::string& part) {
-    return std::count_if(part.begin(), part.end(), [](char c) { return (c & 0xc0) != 0x80; });
-  };
   const long indent = characters(head);
   std::string lines = head;
   long used = indent;
@@ -77,15 +86,6 @@ std::string idleText(const std::vector<std::string>& idle, std::size_t effects) 
          (idle.size() > 1 ? "them or along them" : "it or along it") + " (--json lists them)\n";
 }
 
-namespace {
-
-std::string explainedText(double share, double p) {
-  const std::string chance = probabilityText(p);
-  return format("%5.1f %%   p ", 100.0 * share) + (chance.front() == '<' ? "" : "= ") + chance;
-}
-
-}  // namespace
-
 std::string whereText(const std::vector<WhereItFails>& where) {
   std::string text;
   int shown = 0;
@@ -101,6 +101,27 @@ std::string whereText(const std::vector<WhereItFails>& where) {
 
 double timesRepeatability(const std::string& repeatabilityFrom, double chi2PerDof) {
   return repeatabilityFrom == "estimated" ? 0.0 : std::sqrt(chi2PerDof);
+}
+
+SizeOfResiduals sizeOfResiduals(const CalibrationResult& result, bool angular) {
+  std::vector<double> sizes;
+  for (int i = 0; i < result.residuals.size(); ++i)
+    if (result.weight[i] > 0.0 && result.problem->rows()[static_cast<std::size_t>(i)].angular == angular)
+      sizes.push_back(std::abs(result.residuals[i]));
+  SizeOfResiduals size;
+  size.count = static_cast<int>(sizes.size());
+  std::sort(sizes.begin(), sizes.end());
+  if (!sizes.empty()) size.max = sizes.back();
+  for (const int percent : {50, 90, 95, 99})
+    size.quantiles.emplace_back(percent, sizes.empty() ? kNotMeasured : quantileOf(sizes, 0.01 * percent));
+  return size;
+}
+
+std::string sixDigits(double value) { return format("%.6g", value == 0.0 ? 0.0 : value); }
+
+bool isRotary(const Domain& domain, const std::string& joint) {
+  const int found = domain.findJoint(joint);
+  return found >= 0 && domain.joints[static_cast<std::size_t>(found)].kind == JointKind::kRotary;
 }
 
 bool angularOnly(const CalibrationResult& result) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/format.h"
@@ -10,7 +11,7 @@
 
 namespace mm {
 
-// Pieces that the texts of several commands share. Private to this folder's sources.
+// Pieces that the texts and the JSON of several commands share.
 
 /// "3.42 um", or "12.1 arcsec" where `angular`; "-" for what does not exist.
 std::string length(double value, bool angular);
@@ -41,6 +42,19 @@ std::string movesCommand(const std::string& session, const std::string& calibrat
 /// RMS of what a model leaves over the repeatability, where that was declared or found by repeats; else 0.
 double timesRepeatability(const std::string& repeatabilityFrom, double chi2PerDof);
 inline constexpr double kLeavesMore = 1.5;  // times: the model does not describe everything
+/// A number for people: at most six digits, no trailing zeros.
+std::string sixDigits(double value);
+
+/// How large the residuals are, outliers set aside.
+struct SizeOfResiduals {
+  int count = 0;
+  double max = kNotMeasured;                      // m or rad
+  std::vector<std::pair<int, double>> quantiles;  // percent, of the absolute value (m or rad): 50, 90, 95, 99
+};
+/// @param angular the residuals in rad instead of those in m.
+SizeOfResiduals sizeOfResiduals(const CalibrationResult& result, bool angular);
+/// Whether a joint turns; a direction of the workpiece does not.
+bool isRotary(const Domain& domain, const std::string& joint);
 bool angularOnly(const CalibrationResult& result);
 bool angularOnly(const Calibration& calibration);
 
