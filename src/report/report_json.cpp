@@ -211,13 +211,15 @@ Json outliersWithNames(const CalibrationResult& r) {
 }
 
 Json addedProfileJson(const AddedProfile& p) {
-  const auto point = [](const AddedProfile::Point& c) -> Json { return Json::array({c.at, c.value, c.std}); };
+  const auto point = [](const ProfileCurve::Point& c) -> Json {
+    return Json::array({c.at[0], c.value, c.std});
+  };
   return {{"in_words", p.inWords},
           {"direction", p.direction},
-          {"unit", nameOfUnit(p.angular)},
+          {"unit", p.curve.unit},
           {"variables", Json::array({p.variable})},
           {"units", Json::array({p.variableUnit})},
-          {"curve", jsonList(p.curve, point)},
+          {"curve", jsonList(p.curve.points, point)},
           {"x", roundedList(p.x, stepOf(p.x))},
           {"y", roundedList(p.y, stepOf(p.y))}};
 }

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/units.h"
+#include "base/quantity_words.h"
 #include "effects/effect_words.h"
 #include "effects/formula_variables.h"
 #include "effects/owned.h"
-#include "effects/profile.h"
 #include "estimation/linearisation.h"
 #include "estimation/noise_rows.h"
 #include "report/report_variables.h"
@@ -18,24 +17,24 @@ namespace {
 constexpr std::size_t kMeasurementsShown = 1500;
 
 /// The curve at a place, between its points; beyond its ends what it has there.
-double curveAt(const std::vector<AddedProfile::Point>& curve, double at) {
+double curveAt(const std::vector<ProfileCurve::Point>& curve, double at) {
   const auto next =
-      std::lower_bound(curve.begin(), curve.end(), at, [](const auto& p, double v) { return p.at < v; });
+      std::lower_bound(curve.begin(), curve.end(), at, [](const auto& p, double v) { return p.at[0] < v; });
   if (next == curve.begin()) return curve.front().value;
   if (next == curve.end()) return curve.back().value;
   const auto before = next - 1;
-  return before->value + (next->value - before->value) * (at - before->at) / (next->at - before->at);
+  return before->value + (next->value - before->value) * (at - before->at[0]) / (next->at[0] - before->at[0]);
 }
 
 /// What was measured: the residual of each row that tells of the direction, above the curve.
-void addMeasured(AddedProfile& p, const CalibrationResult& fitted, int variable, double unit) {
+void addMeasured(AddedProfile& p, const CalibrationResult& fitted, int variable) {
+  const bool angular = p.curve.unit == "arcsec";
   const Problem& problem = *fitted.problem;
   const FormulaVariables variables(problem.model().domain());
   std::vector<int> used;
   for (int i = 0; i < problem.rowCount(); ++i) {
     const ResidualRow& row = problem.rows()[static_cast<std::size_t>(i)];
-    if (row.angular == p.angular && problem.uses(row.observation) && fitted.weight[i] > 0.0)
-      used.push_back(i);
+    if (row.angular == angular && problem.uses(row.observation) && fitted.weight[i] > 0.0) used.push_back(i);
   }
   Directions directions = directionsOf(linearise(problem, fitted.x), used);
   dropUnmeasured(directions);
@@ -46,11 +45,12 @@ void addMeasured(AddedProfile& p, const CalibrationResult& fitted, int variable,
   std::vector<std::pair<double, double>> points;
   for (std::size_t k = 0; k < used.size(); ++k) {
     const double left =
-        residualAlong(fitted.residuals[used[k]], factors[static_cast<Eigen::Index>(k)], largest) / unit;
+        residualAlong(fitted.residuals[used[k]], factors[static_cast<Eigen::Index>(k)], largest) /
+        unitOf(angular);
     double at = 0.0;
     variables.values(problem.state(problem.rows()[static_cast<std::size_t>(used[k])].observation), {variable},
                      &at);
-    if (std::isfinite(left) && std::isfinite(at)) points.emplace_back(at, curveAt(p.curve, at) + left);
+    if (std::isfinite(left) && std::isfinite(at)) points.emplace_back(at, curveAt(p.curve.points, at) + left);
   }
   const std::size_t shown = std::min(kMeasurementsShown, points.size());
   for (std::size_t n = 0; n < shown; ++n) {
@@ -72,21 +72,18 @@ std::vector<AddedProfile> addedProfiles(const CalibrationResult& fitted) {
     takeOwner(spec);
     if (spec.type != "profile" || spec.text("variable").empty()) continue;
     const int first = model.offset(static_cast<int>(e)), count = model.effects()[e]->parameterCount();
-    const ProfileCurve curve = profileCurve(spec, domain, fitted.x.segment(first, count),
-                                            fitted.covariance.block(first, first, count, count));
     AddedProfile p;
+    p.curve = profileCurve(spec, domain, fitted.x.segment(first, count),
+                           fitted.covariance.block(first, first, count, count));
     p.inWords = inWords(model.effects()[e]->spec());
     p.direction = spec.text("direction");
     p.variable = spec.text("variable");
-    p.angular = curve.unit == "arcsec";
-    for (const ProfileCurve::Point& point : curve.points)
-      p.curve.push_back({point.at[0], point.value, point.std});
     const auto& names = variables.names();
     const auto found = std::find(names.begin(), names.end(), p.variable);
-    if (found == names.end() || p.curve.empty()) continue;
+    if (found == names.end() || p.curve.points.empty()) continue;
     const auto index = static_cast<int>(found - names.begin());
     p.variableUnit = variables.unit(index);
-    addMeasured(p, fitted, index, p.angular ? kArcsecond : kMicrometre);
+    addMeasured(p, fitted, index);
     all.push_back(std::move(p));
   }
   return all;

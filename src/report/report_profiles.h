@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "effects/profile.h"
 #include "estimation/calibrate.h"
 
 namespace mm {
@@ -9,13 +10,8 @@ namespace mm {
 /// A profile of one variable that the model has: its curve at the readings of the session, and what was
 /// measured, which is the curve and the residual that it leaves.
 struct AddedProfile {
-  struct Point {
-    double at = 0.0;                // of the variable, in its unit
-    double value = 0.0, std = 0.0;  // um (arcsec); std: standard uncertainty
-  };
   std::string inWords, direction, variable, variableUnit;
-  bool angular = false;
-  std::vector<Point> curve;  // ascending
+  ProfileCurve curve;        // ascending
   std::vector<double> x, y;  // single measurements, evenly thinned
 };
 

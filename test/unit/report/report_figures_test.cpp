@@ -107,14 +107,15 @@ TEST(ReportProfiles, TheCurveGoesThroughWhatWasMeasured) {
   const AddedProfile& p = all[0];
   EXPECT_EQ(p.direction, "x");
   EXPECT_EQ(p.variableUnit, "mm");
-  EXPECT_FALSE(p.angular);
+  EXPECT_EQ(p.curve.unit, "um");
   EXPECT_EQ(p.x.size(), session.observations.size());
-  EXPECT_GT(p.curve.size(), 20u);
+  const auto& curve = p.curve.points;
+  EXPECT_GT(curve.size(), 20u);
   double square = 0.0, measured = 0.0;
   for (std::size_t i = 0; i < p.x.size(); ++i) {
-    const auto at = std::lower_bound(p.curve.begin(), p.curve.end(), p.x[i],
-                                     [](const AddedProfile::Point& c, double v) { return c.at < v; });
-    const double value = at == p.curve.end() ? p.curve.back().value : at->value;
+    const auto at = std::lower_bound(curve.begin(), curve.end(), p.x[i],
+                                     [](const ProfileCurve::Point& c, double v) { return c.at[0] < v; });
+    const double value = at == curve.end() ? curve.back().value : at->value;
     square += std::pow(p.y[i] - value, 2);
     measured += std::pow(p.y[i], 2);
   }
