@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/units.h"
+#include "base/quantity_words.h"
 #include "diagnosis/noise_words.h"
 #include "diagnosis/verdict.h"
 #include "diagnosis/wording.h"
@@ -115,6 +115,11 @@ bool repeatabilityKnown(const Diagnosis& d) {
   return d.base.repeatabilityFrom == "declared" || d.base.repeatabilityFrom == "repeated";
 }
 
+std::string foundNoise(const Diagnosis& d) {
+  const double unit = unitOf(d.angular);
+  return expanded(d.noise / unit, d.noiseStd / unit, nameOfUnit(d.angular));
+}
+
 std::string figuresText(const Diagnosis& d) {
   const ResidualFigures& f = d.base.figures;
   std::string text = "\n  RMS " + length(d.angular ? f.rmsAngular : f.rms, d.angular) + ", held out " +
@@ -127,10 +132,7 @@ std::string figuresText(const Diagnosis& d) {
            ? length(d.base.repeatability, d.angular) + " (" +
                  (d.base.repeatabilityFrom == "repeated" ? "from repeated measurements" : "declared") + ")"
            : "not known");
-  if (d.noise > 0.0) {
-    const double unit = d.angular ? kArcsecond : kMicrometre;
-    text += ", noise found " + expanded(d.noise / unit, d.noiseStd / unit, d.angular ? "arcsec" : "um");
-  }
+  if (d.noise > 0.0) text += ", noise found " + foundNoise(d);
   if (d.asked < d.residuals)
     text += format(
         "\n"
@@ -277,12 +279,8 @@ std::string nextLines(const Diagnosis& d, const std::string& session, const std:
 std::string errorText(const Diagnosis& d) {
   if (!d.base.problem) return {};
   const ResidualFigures& f = d.base.figures;
-  const double unit = d.angular ? kArcsecond : kMicrometre;
   return "RMS " + length(d.angular ? f.rmsAngular : f.rms, d.angular) +
-         (d.noise > 0.0
-              ? ", noise " + expanded(d.noise / unit, d.noiseStd / unit, d.angular ? "arcsec" : "um") +
-                    " (k = 2)"
-              : "");
+         (d.noise > 0.0 ? ", noise " + foundNoise(d) + " (k = 2)" : "");
 }
 
 std::string diagnoseText(const Diagnosis& d, const std::string& session, const std::string& calibration) {

@@ -33,6 +33,21 @@ Json positioningTestJson(const PositioningTest& test) {
           {"std", positioningFigures(test.std)}};
 }
 
+Json axisJson(const AxisPositioning& a) {
+  using Run = PositioningRun;
+  return {{"axis", a.axis},
+          {"name", a.name},
+          {"travel_assumed", a.travelAssumed},
+          {"unit", nameOfUnit(a.rotary)},
+          {"position_unit", a.rotary ? "deg" : "mm"},
+          {"measured", positioningTestJson(a.measured)},
+          {"calibrated", positioningTestJson(a.calibrated)},
+          {"x", roundedList(a.runs, kPlaceStep, &Run::at)},
+          {"y", roundedList(a.runs, kDeviationStep, &Run::deviation)},
+          {"left", roundedList(a.left, kDeviationStep, &Run::deviation)},
+          {"up", jsonList(a.runs, [](const Run& run) { return run.forward ? 1 : 0; })}};
+}
+
 Json circlePathJson(const CirclePath& path) {
   if (path.angle.empty()) return nullptr;
   return {{"angle_deg", roundedList(path.angle, kAngleStep, [](double angle) { return angle / kDegree; })},
@@ -109,22 +124,7 @@ Json thermalTestJson(const ThermalTestFigures& figures, const ErrorSymbols& symb
 
 }  // namespace
 
-Json positioningJson(const std::vector<AxisPositioning>& axes) {
-  using Run = PositioningRun;
-  return jsonList(axes, [](const AxisPositioning& a) -> Json {
-    return {{"axis", a.axis},
-            {"name", a.name},
-            {"travel_assumed", a.travelAssumed},
-            {"unit", nameOfUnit(a.rotary)},
-            {"position_unit", a.rotary ? "deg" : "mm"},
-            {"measured", positioningTestJson(a.measured)},
-            {"calibrated", positioningTestJson(a.calibrated)},
-            {"x", roundedList(a.runs, kPlaceStep, &Run::at)},
-            {"y", roundedList(a.runs, kDeviationStep, &Run::deviation)},
-            {"left", roundedList(a.left, kDeviationStep, &Run::deviation)},
-            {"up", jsonList(a.runs, [](const Run& run) { return run.forward ? 1 : 0; })}};
-  });
-}
+Json positioningJson(const std::vector<AxisPositioning>& axes) { return jsonList(axes, axisJson); }
 
 Json circlesJson(const std::vector<CircleTest>& tests) {
   return jsonList(tests, [](const CircleTest& t) -> Json {
@@ -138,18 +138,17 @@ Json circlesJson(const std::vector<CircleTest>& tests) {
 }
 
 Json diagonalsJson(const std::vector<DiagonalTest>& tests) {
-  std::vector<AxisPositioning> axes;
-  for (const DiagonalTest& test : tests) {
-    AxisPositioning axis;
-    axis.axis = test.name;
-    axis.name = test.name + (test.setup.empty() || test.setup == test.name ? "" : ", setup " + test.setup);
-    axis.measured = test.measured;
-    axis.calibrated = test.left;
-    axis.runs = test.runs;
-    axis.left = test.leftRuns;
-    axes.push_back(std::move(axis));
-  }
-  return positioningJson(axes);
+  return jsonList(tests, [](const DiagonalTest& t) {
+    const bool named = t.setup.empty() || t.setup == t.name;
+    return axisJson({t.name,
+                     t.name + (named ? "" : ", setup " + t.setup),
+                     {},
+                     false,
+                     t.measured,
+                     t.left,
+                     t.runs,
+                     t.leftRuns});
+  });
 }
 
 Json rotationJson(const RotationTest& test) {

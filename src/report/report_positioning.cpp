@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/erase_if.h"
 #include "base/format.h"
-#include "base/units.h"
+#include "machine/joint_units.h"
 
 namespace mm {
 namespace {
@@ -30,8 +31,7 @@ std::vector<LineRuns> linesOf(const CalibrationResult& fitted, std::size_t j) {
   std::vector<LineRuns> lines;
   const Problem& problem = *fitted.problem;
   const std::vector<Joint>& joints = problem.model().machine().joints();
-  const bool rotary = joints[j].kind == JointKind::kRotary;
-  const double unit = rotary ? kArcsecond : kMicrometre, place = rotary ? kDegree : kMillimetre;
+  const double unit = errorUnit(joints[j]).factor, place = readingUnit(joints[j]).factor;
   for (int row = 0; row < problem.rowCount(); ++row) {
     const ResidualRow& r = problem.rows()[static_cast<std::size_t>(row)];
     const Observation& o = problem.session().observations[static_cast<std::size_t>(r.observation)];
@@ -42,7 +42,7 @@ std::vector<LineRuns> linesOf(const CalibrationResult& fitted, std::size_t j) {
     });
     if (line == lines.end()) line = lines.insert(lines.end(), LineRuns{o.setup, o.position, {}});
     AxisPositioning& axis = line->axis;
-    axis.rotary = rotary;
+    axis.rotary = joints[j].kind == JointKind::kRotary;
     axis.runs.push_back({o.position[j] / place, o.deviation[j] / unit, o.travel[j] > 0.0});
     axis.left.push_back({o.position[j] / place, fitted.residuals[row] / unit, o.travel[j] > 0.0});
   }
@@ -65,9 +65,8 @@ std::string nameOf(const LineRuns& line, const std::vector<LineRuns>& all, std::
       return onOneLine(here, there, moving, joints);
     };
     if (k == moving || !differs(same)) continue;
-    const bool turns = joints[k].kind == JointKind::kRotary;
-    name += ", at " + joints[k].name + " = " +
-            format("%.4g", line.where[k] / (turns ? kDegree : kMillimetre)) + (turns ? " deg" : " mm");
+    const JointUnit unit = readingUnit(joints[k]);
+    name += ", at " + joints[k].name + format(" = %.4g %s", line.where[k] / unit.factor, unit.symbol);
   }
   return name;
 }
@@ -84,15 +83,11 @@ std::vector<AxisPositioning> axisPositioning(const CalibrationResult& fitted) {
       line.axis.measured = positioningTest(line.axis.runs);
       line.axis.calibrated = positioningTest(line.axis.left);
     }
-    lines.erase(std::remove_if(lines.begin(), lines.end(),
-                               [](const LineRuns& line) {
-                                 const auto& targets = line.axis.measured.targets;
-                                 return std::count_if(targets.begin(), targets.end(),
-                                                      [](const PositioningTarget& t) {
-                                                        return t.forward > 0 && t.backward > 0;
-                                                      }) < 3;
-                               }),
-                lines.end());
+    eraseIf(lines, [](const LineRuns& line) {
+      const auto& targets = line.axis.measured.targets;
+      const auto both = [](const PositioningTarget& t) { return t.forward > 0 && t.backward > 0; };
+      return std::count_if(targets.begin(), targets.end(), both) < 3;
+    });
     for (LineRuns& line : lines) {
       line.axis.axis = joints[j].name;
       line.axis.name = nameOf(line, lines, j, session);

@@ -136,18 +136,14 @@ Line lineOf(const std::vector<std::vector<int>>& bins, const Rows& rows, const E
 /// Takes out of the residual what a constant displacement along each direction explains, all fitted together.
 void removeConstants(Rows& rows, const Eigen::MatrixXd& factors) {
   const auto n = static_cast<Eigen::Index>(rows.space.size());
+  const Eigen::ArrayXd root = Eigen::Map<const Eigen::ArrayXd>(rows.weight.data(), n).sqrt();
+  const Eigen::VectorXd whitened = root * Eigen::Map<const Eigen::ArrayXd>(rows.residual.data(), n);
   Eigen::MatrixXd columns(n, factors.cols());
-  Eigen::VectorXd whitened(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const double root = std::sqrt(rows.weight[k]);
-    columns.row(i) = root * factors.row(rows.space[k]);
-    whitened[i] = root * rows.residual[k];
-  }
-  const Eigen::VectorXd left = whitened - columns * leastSquares(columns, whitened);
-  rows.varying.clear();
   for (Eigen::Index i = 0; i < n; ++i)
-    rows.varying.push_back(left[i] / std::sqrt(rows.weight[static_cast<std::size_t>(i)]));
+    columns.row(i) = root[i] * factors.row(rows.space[static_cast<std::size_t>(i)]);
+  const Eigen::ArrayXd left = whitened - columns * leastSquares(columns, whitened);
+  rows.varying.resize(rows.space.size());
+  Eigen::Map<Eigen::ArrayXd>(rows.varying.data(), n) = left / root;
 }
 
 void addPoints(VariableView& view, const Rows& rows, const Eigen::VectorXd& raw,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/erase_if.h"
 #include "base/units.h"
 #include "estimation/residual_vector.h"
 
@@ -25,10 +26,12 @@ bool spatial(const std::vector<ResidualVectors::Place>& places) {
 
 }  // namespace
 
-ResidualVectors residualVectors(const std::vector<NamedFit>& fits) {
+ResidualVectors residualVectors(std::vector<NamedFit> fits) {
   ResidualVectors out;
-  if (fits.empty() || fits.front().fit == nullptr) return out;
-  const Problem& problem = *fits.front().fit->problem;
+  if (fits.empty()) return out;
+  const CalibrationResult& first = *fits.front().fit;
+  const Problem& problem = *first.problem;
+  eraseIf(fits, [&](const NamedFit& f) { return f.fit->problem->rowCount() != problem.rowCount(); });
   const Session& session = problem.session();
   std::vector<int> used;
   for (std::size_t o = 0; o < session.observations.size(); ++o)
@@ -37,8 +40,7 @@ ResidualVectors residualVectors(const std::vector<NamedFit>& fits) {
   out.observations = static_cast<int>(used.size());
   const std::size_t shown = std::min(kPlaces, used.size());
   out.signedValues = shown > 0;
-  for (const NamedFit& f : fits)
-    if (f.fit->problem->rowCount() == problem.rowCount()) out.states.push_back({f.name, {}, {}});
+  for (const NamedFit& f : fits) out.states.push_back({f.name, {}, {}});
   for (std::size_t n = 0; n < shown; ++n) {
     const int observation = used[n * used.size() / shown];
     const Observation& o = session.observations[static_cast<std::size_t>(observation)];
@@ -50,7 +52,7 @@ ResidualVectors residualVectors(const std::vector<NamedFit>& fits) {
     Eigen::Vector3d normal = -state.approach;
     if (state.surfaceNormal.norm() > 0.5) normal = state.surfaceNormal;
     if (distance && !ball)
-      normal = (tip - problem.featureInWorkpiece(o.feature, o.placement, fits.front().fit->x)).normalized();
+      normal = (tip - problem.featureInWorkpiece(o.feature, o.placement, first.x)).normalized();
     if (distance && !(normal.norm() > 0.5)) continue;
     ResidualVectors::Place place;
     place.at = tip / kMillimetre;
@@ -58,16 +60,13 @@ ResidualVectors residualVectors(const std::vector<NamedFit>& fits) {
       place.at -= normal * session.artifact.tipRadiusOf(o.stylus) / kMillimetre;
     place.row = o.row;
     place.feature = o.feature;
-    place.outlier = !(fits.front().fit->weight[problem.firstRow(observation)] > 0.0);
+    place.outlier = !(first.weight[problem.firstRow(observation)] > 0.0);
     out.signedValues = out.signedValues && distance;
     out.places.push_back(place);
-    std::size_t s = 0;
-    for (const NamedFit& f : fits) {
-      if (f.fit->problem->rowCount() != problem.rowCount()) continue;
-      const Eigen::Vector3d vector = residualVector(*f.fit, observation, normal) / kMicrometre;
+    for (std::size_t s = 0; s < fits.size(); ++s) {
+      const Eigen::Vector3d vector = residualVector(*fits[s].fit, observation, normal) / kMicrometre;
       out.states[s].vectors.push_back(vector);
       out.states[s].values.push_back(distance ? vector.dot(normal) : vector.norm());
-      ++s;
     }
   }
   if (!spatial(out.places)) return ResidualVectors();
@@ -76,12 +75,11 @@ ResidualVectors residualVectors(const std::vector<NamedFit>& fits) {
     const bool touched = std::any_of(out.places.begin(), out.places.end(),
                                      [&](const auto& p) { return p.feature == static_cast<int>(f); });
     if (feature.kind == FeatureKind::kBall && touched)
-      out.balls.push_back(
-          {feature.name,
-           problem.featureInWorkpiece(static_cast<int>(f), session.placementOf(static_cast<int>(f)),
-                                      fits.front().fit->x) /
-               kMillimetre,
-           feature.radius / kMillimetre});
+      out.balls.push_back({feature.name,
+                           problem.featureInWorkpiece(static_cast<int>(f),
+                                                      session.placementOf(static_cast<int>(f)), first.x) /
+                               kMillimetre,
+                           feature.radius / kMillimetre});
   }
   return out;
 }

@@ -42,6 +42,6 @@ struct NamedFit {
 /// @param fits of one session; the first gives the balls' places. Positions that lie on one line, and
 /// sessions of deviations only, give no places: there is nothing to see in space. At most 3000 places, evenly
 /// thinned.
-ResidualVectors residualVectors(const std::vector<NamedFit>& fits);
+ResidualVectors residualVectors(std::vector<NamedFit> fits);
 
 }  // namespace mm
