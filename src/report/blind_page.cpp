@@ -170,24 +170,6 @@ std::string behindVerdict(const std::string& sentence) {
   return colon == std::string::npos ? sentence : sentence.substr(colon + 2);
 }
 
-constexpr const char* kBlindStyle = R"(
-figure { max-width: 36rem; margin: .6rem 0; padding: .6rem; }
-figcaption { flex-wrap: wrap; font-size: .9rem; }
-svg text { font-size: 11px; }
-svg .on, i.on { fill: var(--accent); background: var(--accent); }
-svg .off { fill: var(--card); stroke: var(--warm); stroke-width: 2; }
-.key i { display: inline-block; width: .7rem; height: .7rem; margin-left: .5rem; }
-.key i.on { border-radius: 50%; }
-.key i.off { border: 2px solid var(--warm); }
-.verdict { border: 1px solid var(--line); border-left: 6px solid var(--warm); border-radius: 6px; background: var(--card); padding: .6rem .9rem; margin: .8rem 0; }
-.verdict.helped { border-left-color: var(--good); }
-.verdict b { font-size: 1.15rem; display: block; }
-.n { text-align: right; font-variant-numeric: tabular-nums; }
-table { margin: .6rem 0 1.2rem; }
-th, td { overflow-wrap: normal; padding-right: .6rem; }
-td.n { white-space: nowrap; }
-)";
-
 }  // namespace
 
 std::string blindJson(const BlindReport& r) {
@@ -245,7 +227,7 @@ std::string blindPage(const BlindReport& r) {
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
       "<title>Blind trial: measuring machine report</title><style>\n" +
-      webFile("fleet.css") + kBlindStyle +
+      webFile("fleet.css") + "\n" + webFile("blind.css") +
       "</style></head><body><main>\n<h1>Blind trial of a correction</h1>" + "<p class=\"soft\">" +
       escapedHtml(r.session) + "; calibration " + escapedHtml(r.calibration) + "; trial " +
       escapedHtml(r.blocks.trial) + "</p>\n<div class=\"verdict " + nameOf(r.opened.verdict) + "\"><b>" +
