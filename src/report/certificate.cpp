@@ -5,8 +5,8 @@
 #include <set>
 
 #include "base/format.h"
-#include "base/units.h"
 #include "compensation/middle_state.h"
+#include "machine/joint_units.h"
 
 namespace mm {
 namespace {
@@ -53,8 +53,6 @@ std::optional<StoreRecord> storeRecord(const CalibrationStore& store, const Cali
   return record;
 }
 
-const std::string& numberOf(const Certificate& c) { return c.number.empty() ? c.calibration.id : c.number; }
-
 namespace {
 
 /// Correction and its covariance along one axis. @param j index of its joint. @param count even points over
@@ -62,10 +60,10 @@ namespace {
 CorrectionCurve curveOver(const Compensator& compensator, const State& middle, std::size_t j,
                           std::size_t count) {
   const Domain& d = compensator.model().domain();
-  const bool rotary = d.joints[j].kind == JointKind::kRotary;
+  const JointUnit unit = readingUnit(d.joints[j]);
   CorrectionCurve curve;
   curve.axis = d.joints[j].name;
-  curve.unit = rotary ? "deg" : "mm";
+  curve.unit = unit.symbol;
   for (std::size_t i = 0; i < count; ++i) {
     State state = middle;
     state.position[j] =
@@ -73,7 +71,7 @@ CorrectionCurve curveOver(const Compensator& compensator, const State& middle, s
     compensator.model().place(state);
     const Correction c = compensator.apply(state);
     if (!c.displacement.allFinite() || !c.covariance.allFinite()) return {};
-    curve.at.push_back(state.position[j] / (rotary ? kDegree : kMillimetre));
+    curve.at.push_back(state.position[j] / unit.factor);
     curve.correction.emplace_back(c.displacement / kMicrometre);
     curve.expanded.emplace_back(2.0 / kMicrometre * c.covariance.diagonal().cwiseMax(0.0).cwiseSqrt());
   }
@@ -86,7 +84,7 @@ bool follows(const CorrectionCurve& curve, const Compensator& compensator, const
   Eigen::Vector3d low = curve.correction.front(), high = low;
   for (const Eigen::Vector3d& c : curve.correction) low = low.cwiseMin(c), high = high.cwiseMax(c);
   double left = 0.0;
-  const double unit = curve.unit == "deg" ? kDegree : kMillimetre;
+  const double unit = readingUnit(compensator.model().domain().joints[j]).factor;
   for (std::size_t i = 0; i + 1 < curve.at.size(); ++i) {
     State state = middle;
     state.position[j] = (curve.at[i] + kBetween * (curve.at[i + 1] - curve.at[i])) * unit;

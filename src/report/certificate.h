@@ -15,7 +15,7 @@ namespace mm {
 /// What no file knows: said by whoever issues the certificate. Empty: not stated.
 struct CertificateFacts {
   std::string serial, operatorName, authorisedBy, laboratory, customer, place, traceability, remark;
-  std::string issued;  // ISO 8601, UTC; empty: now
+  std::string issued;  // ISO 8601, UTC
 };
 
 /// A task that the certificate states, with its decisions. Its figures are predicted: nobody measured them.
@@ -65,30 +65,24 @@ std::optional<StoreRecord> storeRecord(const CalibrationStore& store, const Cali
 /// Everything that stands on a certificate.
 struct Certificate {
   Calibration calibration;
-  std::string number;      // of this issue; empty: that of the calibration
-  std::string replaces;    // number of the issue that it replaces; empty: none is known
-  double scaleStd = 0.0;   // of the reference, 1; as stated for the tasks; 0: not stated
-  double radiusStd = 0.0;  // m, of the ball on which the tip was qualified; likewise
-  std::string serial;      // of the facts, else of the URDF
+  std::string number;    // of this issue
+  std::string replaces;  // number of the issue that it replaces; empty: none is known
   CertificateFacts facts;
   std::vector<CertifiedTask> tasks;
-  TaskConditions conditions;  // under which they are predicted
+  TaskConditions conditions;  // under which they are predicted; what they state of the reference too
   int points = 0;             // of a feature, as TaskOptions
   std::vector<CorrectionCurve> curves;
   std::optional<CertifiedSession> session;
   std::optional<StoreRecord> store;  // empty: no store keeps it
-  std::string checksum;  // CRC-64 of the calibration's file; empty: of the file that it would make
+  std::string checksum;              // CRC-64 of the calibration's file
 };
 
 /// Curves of the correction over each axis that was calibrated over a range, by as many points as follow it;
 /// none where an input is not known.
 std::vector<CorrectionCurve> correctionCurves(const Calibration& calibration);
 
-/// Its number, as it is printed.
-const std::string& numberOf(const Certificate& certificate);
-
 /// The page: one HTML file without script or links, laid out for A4. Names from users' files are data, never
-/// markup.
+/// markup. @throw InputError: a file of the package is missing.
 std::string certificatePage(const Certificate& certificate);
 
 }  // namespace mm

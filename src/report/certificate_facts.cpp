@@ -55,8 +55,7 @@ void addTemperatures(const Domain& d, const TaskConditions& given, std::vector<S
 /// Positions and directions of axes, which only the issuer can state.
 void addAxes(const Domain& d, const TaskConditions& given, std::vector<StatedFact>& facts) {
   for (const TaskConditions::JointValue& p : given.positions) {
-    const int j = d.findJoint(p.joint);
-    const bool rotary = j >= 0 && d.joints[static_cast<std::size_t>(j)].kind == JointKind::kRotary;
+    const bool rotary = isRotary(d, p.joint);
     facts.push_back({"Position of axis " + p.joint,
                      format("%.6g %s, stated by the issuer", p.value / (rotary ? kDegree : kMillimetre),
                             rotary ? "deg" : "mm")});
@@ -96,7 +95,7 @@ bool isSimulated(const Calibration& k) { return k.sessionOrigin == "simulated"; 
 
 std::string titleOf(const Certificate& c) {
   const CertificateFacts& f = c.facts;
-  const bool complete = isKnown(f.laboratory) && isKnown(c.serial) && isKnown(f.customer) &&
+  const bool complete = isKnown(f.laboratory) && isKnown(c.facts.serial) && isKnown(f.customer) &&
                         (isKnown(f.operatorName) || isKnown(f.authorisedBy)) && isKnown(f.traceability) &&
                         hasDate(c.calibration) && !isSimulated(c.calibration);
   return complete ? "Calibration certificate" : "Record of calibration";

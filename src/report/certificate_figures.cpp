@@ -153,8 +153,7 @@ std::string rangeText(double lower, double upper, const std::string& unit) {
 bool timesRecorded(const Domain& domain) { return domain.duration > 0.0; }
 
 std::string driftText(const Domain& domain, const Wandering& drift) {
-  const int j = domain.findJoint(drift.direction);
-  const bool rotary = j >= 0 && domain.joints[static_cast<std::size_t>(j)].kind == JointKind::kRotary;
+  const bool rotary = isRotary(domain, drift.direction);
   return "along " + (drift.direction == "approach" ? "the approach" : drift.direction) +
          format(": standard deviation %.2g %s", drift.std / (rotary ? kArcsecond : kMicrometre),
                 rotary ? "arcsec" : "um") +
@@ -229,12 +228,10 @@ std::string modelLeaves(const Calibration& c) {
          (left > kLeavesMore ? ": errors that this model does not describe remain" : "");
 }
 
-void decideConformity(Certificate& certificate, const TaskConditions& conditions) {
+void decideConformity(Certificate& certificate) {
   const Calibration& c = certificate.calibration;
-  certificate.scaleStd = conditions.artifactScale;
-  certificate.radiusStd = conditions.artifactRadius;
   for (CertifiedTask& task : certificate.tasks) {
-    task.noConformity = uncertaintyNotStated(c, conditions, isAlongLine(task.result.task));
+    task.noConformity = uncertaintyNotStated(c, certificate.conditions, isAlongLine(task.result.task));
     if (const double left = timesRepeatability(c.repeatabilityFrom, c.chi2PerDof); left > kLeavesMore)
       task.noConformity.push_back("the model leaves " + timesText(left) + " the repeatability");
     for (const std::string& why : task.result.outside)

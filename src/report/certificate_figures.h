@@ -81,7 +81,7 @@ std::vector<std::string> uncertaintyNotStated(const Calibration& calibration,
 
 /// Leaves no verdict on a task of which the reference's uncertainty is not stated, on which the calibration
 /// does not hold, or whose model leaves more than the repeatability, and says which.
-void decideConformity(Certificate& certificate, const TaskConditions& conditions);
+void decideConformity(Certificate& certificate);
 
 /// Of what a verdict is: "ISO 10360-2 (predicted, no test was made)".
 std::string headOf(const CertifiedTask& task, const TaskVerdict& verdict);

@@ -6,8 +6,7 @@
 #include "base/error.h"
 #include "base/format.h"
 #include "base/utc_now.h"
-#include "report/certificate_seal.h"
-#include "report/dcc_contents.h"
+#include "report/dcc_signature.h"
 
 namespace mm {
 
@@ -23,17 +22,13 @@ IssueNumber IssueNumber::parsed(const std::string& text) {
 }
 
 IssueNumber issueIn(const std::string& content, const std::string& source, const std::string& calibration) {
-  std::string number;
-  if (isDcc(content)) {
-    try {
-      number = dccContents(content, source).number;
-    } catch (const InputError&) {
-      return {};
-    }
-  } else if (const std::optional<CertificateSeal> seal = sealOf(content)) {
-    number = seal->number;
+  std::optional<CertificateSeal> seal;
+  try {
+    seal = isDcc(content) ? dccContents(content, source) : sealOf(content);
+  } catch (const InputError&) {
+    return {};
   }
-  const IssueNumber found = IssueNumber::parsed(number);
+  const IssueNumber found = seal ? IssueNumber::parsed(seal->number) : IssueNumber();
   return found.calibration == calibration ? found : IssueNumber();
 }
 

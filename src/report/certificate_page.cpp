@@ -1,32 +1,30 @@
 // The certificate as HTML: a page of paper first of all.
 #include <algorithm>
+#include <boost/algorithm/string/replace.hpp>
+#include <cctype>
 #include <cmath>
 
 #include "base/format.h"
 #include "base/text.h"
 #include "base/units.h"
-#include "base/utc_now.h"
 #include "effects/effect_words.h"
 #include "export/compensation_statement.h"
 #include "report/certificate.h"
 #include "report/certificate_facts.h"
 #include "report/certificate_figures.h"
 #include "report/certificate_plots.h"
-#include "report/certificate_seal.h"
-#include "report/certificate_style.h"
 #include "report/report_page.h"
 #include "report/symbols_of.h"
 #include "report/text_parts.h"
 #include "report/uncertainty_output.h"
+#include "report/web_files.h"
 
 namespace mm {
 namespace {
 
 std::string nicely(std::string text) {  // units as they are printed
-  for (const auto& [plain, nice] :
-       {std::pair<std::string, std::string>{"+-", "±"}, {" um", " µm"}, {"um/m", "µm/m"}, {"degC", "°C"}})
-    for (std::size_t at = text.find(plain); at != std::string::npos; at = text.find(plain, at + nice.size()))
-      text.replace(at, plain.size(), nice);
+  for (const auto& [plain, nice] : {std::pair{"+-", "±"}, {" um", " µm"}, {"um/m", "µm/m"}, {"degC", "°C"}})
+    boost::replace_all(text, plain, nice);
   return text;
 }
 
@@ -43,19 +41,27 @@ std::string typedRow(const std::string& name, const std::string& value) {
   return rowOf(name, escapedHtml(value));
 }
 
+/// What stands at the foot of every printed page; the id may come from a foreign file.
+std::string footOfPage(const std::string& title, const std::string& id) {
+  std::string plain;
+  for (const char c : id)
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-') plain += c;
+  return "@page { @bottom-left { content: \"" + title + " " + plain +
+         "\"; font: 8pt sans-serif; color: #444c56; } }\n";
+}
+
 std::string sectionHead(const std::string& text) { return "<h2>" + escapedHtml(text) + "</h2>\n"; }
 
 std::string itemSection(const Certificate& c) {
   const Calibration& k = c.calibration;
   std::string html = "<table class=\"facts\">" + typedRow("Machine", k.machineName) +
-                     typedRow("Serial number", c.serial) + typedRow("Laboratory", c.facts.laboratory);
+                     typedRow("Serial number", c.facts.serial) + typedRow("Laboratory", c.facts.laboratory);
   if (!c.facts.customer.empty()) html += typedRow("Customer", c.facts.customer);
   if (!c.facts.place.empty()) html += typedRow("Place", c.facts.place);
   const std::string measured = dateOfMeasurement(k);
   html += typedRow("Operator", c.facts.operatorName) +
           factRow("Date of measurement", measured.empty() ? "not recorded" : measured) +
-          factRow("Date of evaluation", k.created) +
-          factRow("Date of issue", c.facts.issued.empty() ? utcNow() : c.facts.issued) +
+          factRow("Date of evaluation", k.created) + factRow("Date of issue", c.facts.issued) +
           (c.replaces.empty() ? std::string() : typedRow("Replaces", "certificate No. " + c.replaces)) +
           typedRow("Calibration", k.id) +
           typedRow("Measured as", k.sessionSource + " (" + std::to_string(k.observations) +
@@ -86,13 +92,14 @@ std::string referenceSection(const Certificate& c) {
   } else {
     html += factRow("Artifact", "not recorded in the calibration file");
   }
-  if (c.scaleStd > 0.0)
-    html += factRow("Uncertainty of the scale",
-                    format("U = %.2g um/m (k = 2), stated for the predicted results", 2e6 * c.scaleStd));
-  if (c.radiusStd > 0.0)
+  if (c.conditions.artifactScale > 0.0)
     html += factRow(
-        "Uncertainty of the reference ball's radius",
-        format("U = %.2g um (k = 2), stated for the predicted results", 2.0 * c.radiusStd / kMicrometre));
+        "Uncertainty of the scale",
+        format("U = %.2g um/m (k = 2), stated for the predicted results", 2e6 * c.conditions.artifactScale));
+  if (c.conditions.artifactRadius > 0.0)
+    html += factRow("Uncertainty of the reference ball's radius",
+                    format("U = %.2g um (k = 2), stated for the predicted results",
+                           2.0 * c.conditions.artifactRadius / kMicrometre));
   return html + typedRow("Traceability", c.facts.traceability) + "</table>\n";
 }
 
@@ -344,12 +351,13 @@ std::string certificatePage(const Certificate& c) {
       "'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'\">\n<link "
       "rel=\"icon\" "
       "href=\"data:,\">\n<title>" +
-      title + " " + escapedHtml(numberOf(c)) + " – measuring machine certificate</title>\n<style>" +
-      certificateStyle(isSimulated(k) ? title + ", " + kSimulatedNotice : title, numberOf(c)) +
+      title + " " + escapedHtml(c.number) + " – measuring machine certificate</title>\n<style>" + "\n" +
+      webFile("certificate.css") +
+      footOfPage(isSimulated(k) ? title + ", " + kSimulatedNotice : title, c.number) +
       "</style>\n</head>\n<body>\n<main>\n<h1>" + title + "</h1>\n" +
       (isSimulated(k) ? std::string("<p class=\"verdict fails\">") + kSimulatedNotice + ".</p>\n"
                       : std::string()) +
-      "<p class=\"number\">No. " + escapedHtml(numberOf(c)) + "</p>\n";
+      "<p class=\"number\">No. " + escapedHtml(c.number) + "</p>\n";
   html += itemSection(c) + referenceSection(c) + environmentSection(k);
   const std::vector<StatedGroup> groups = statedGroups(c);
   html += sectionHead("Results: parameters of the machine, estimated from the measurements") + "<p>" +
@@ -376,7 +384,7 @@ std::string certificatePage(const Certificate& c) {
   }
   html += compensationSection(k) + historySection(k) + storeSection(c);
   html += "<section class=\"together\">" + sectionHead("Authenticity") + "<p>Calibration file: CRC-64 " +
-          escapedHtml(c.checksum.empty() ? checksumOf(k) : c.checksum) +
+          escapedHtml(c.checksum) +
           ". The last line of this file holds it, the number of this issue, the hash of the session, and the "
           "SHA-256 of "
           "everything before it; <code>mm certificate --check</code> compares the content with this "

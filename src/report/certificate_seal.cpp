@@ -2,12 +2,12 @@
 
 #include <openssl/evp.h>
 
+#include <algorithm>
 #include <array>
 
 #include "base/checksum.h"
 #include "base/error.h"
 #include "base/text.h"
-#include "calibration_file/calibration_yaml.h"
 
 namespace mm {
 namespace {
@@ -37,10 +37,6 @@ std::string checksumIn(const std::string& file, const std::string& source) {
   if (!startsWith(line, kChecksumLine) || line.size() < std::string(kChecksumLine).size() + kChecksumLength)
     throw InputError(source + ": its first line is not a checksum, so it is not a calibration file");
   return line.substr(std::string(kChecksumLine).size(), kChecksumLength);
-}
-
-std::string checksumOf(const Calibration& calibration) {
-  return checksumIn(calibrationYaml(calibration), calibration.id);
 }
 
 std::string sha256Of(const std::string& bytes) {

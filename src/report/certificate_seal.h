@@ -2,8 +2,6 @@
 #include <optional>
 #include <string>
 
-#include "calibration_file/calibration.h"
-
 namespace mm {
 
 /// What the last line of a certificate says of it.
@@ -29,8 +27,6 @@ std::optional<CertificateSeal> sealOf(const std::string& content);
 
 /// CRC-64 of a calibration's file as its first line states it. @throw InputError: it has no such line.
 std::string checksumIn(const std::string& calibrationFile, const std::string& source);
-/// The same of the file that would be written of it now.
-std::string checksumOf(const Calibration& calibration);
 
 /// SHA-256 as hexadecimal digits.
 std::string sha256Of(const std::string& bytes);

@@ -3,19 +3,18 @@
 #include <tinyxml2.h>
 
 #include <algorithm>
+#include <boost/locale/utf.hpp>
 #include <cctype>
 #include <cmath>
+#include <map>
+#include <sstream>
 
 #include "base/format.h"
 #include "base/text.h"
 #include "base/units.h"
-#include "base/utc_now.h"
 #include "base/version.h"
 #include "report/certificate_facts.h"
 #include "report/certificate_figures.h"
-#include "report/certificate_seal.h"
-#include "report/dcc_contents.h"
-#include "report/dsi_unit.h"
 
 namespace mm {
 namespace {
@@ -27,42 +26,16 @@ constexpr const char* kNotStated = "not stated";
 constexpr const char* kUnknownCountry = "ZZ";  // of ISO 3166-1, left to its users
 constexpr const char* kCoverageFactor = "2";
 
-/// Bytes of a character that starts with this one; 0: none does.
-std::size_t lengthOfCharacter(unsigned char first) {
-  return first < 0x80                    ? 1
-         : first >= 0xC2 && first < 0xE0 ? 2
-         : first >= 0xE0 && first < 0xF0 ? 3
-         : first >= 0xF0 && first < 0xF5 ? 4
-                                         : 0;
-}
-
-/// Whether these bytes of a whole length are none all the same: written longer than needed, half of a pair,
-/// beyond the last one, or U+FFFE and U+FFFF.
-bool isNoCharacter(const std::string& bytes) {
-  if (bytes.size() < 3) return false;
-  const auto at = [&](std::size_t k) { return static_cast<unsigned char>(bytes[k]); };
-  return (at(0) == 0xE0 && at(1) < 0xA0) || (at(0) == 0xED && at(1) >= 0xA0) ||
-         (at(0) == 0xF0 && at(1) < 0x90) || (at(0) == 0xF4 && at(1) >= 0x90) ||
-         (at(0) == 0xEF && at(1) == 0xBF && at(2) >= 0xBE);
-}
-
 /// Text as XML may hold it: UTF-8 without control characters, no blanks at its ends, never empty.
 std::string xmlText(const std::string& text) {
+  using Utf8 = boost::locale::utf::utf_traits<char>;
   std::string clean;
-  for (std::size_t i = 0; i < text.size();) {
-    const auto c = static_cast<unsigned char>(text[i]);
-    const std::size_t length = lengthOfCharacter(c);
-    bool whole = length > 0 && i + length <= text.size();
-    for (std::size_t k = 1; whole && k < length; ++k)
-      whole = (static_cast<unsigned char>(text[i + k]) & 0xC0) == 0x80;
-    whole = whole && !isNoCharacter(text.substr(i, length));
-    if (!whole)
-      clean += '?';
-    else if (length > 1 || (c >= 0x20 && c != 0x7F))
-      clean += text.substr(i, length);
-    else
-      clean += ' ';
-    i += whole ? length : 1;
+  for (auto at = text.begin(); at != text.end();) {
+    const auto begin = at;
+    const auto c = Utf8::decode(at, text.end());
+    const bool noCharacter = !boost::locale::utf::is_valid_codepoint(c) || c == 0xFFFE || c == 0xFFFF;
+    if (noCharacter) at = begin + 1;
+    clean += noCharacter ? "?" : c < 0x20 || c == 0x7F ? " " : std::string(begin, at);
   }
   const std::string trimmed(trim(clean));
   return trimmed.empty() ? kNotStated : trimmed;
@@ -113,18 +86,16 @@ void addCoreData(XMLElement& data, const Certificate& c) {
   addLeaf(core, "dcc:countryCodeISO3166_1", country.empty() ? kUnknownCountry : country);
   addLeaf(core, "dcc:usedLangCodeISO639_1", "en");
   addLeaf(core, "dcc:mandatoryLangCodeISO639_1", "en");
-  addLeaf(core, "dcc:uniqueIdentifier", numberOf(c));
+  addLeaf(core, "dcc:uniqueIdentifier", c.number);
   XMLElement& ids = add(core, "dcc:identifications");
   addIdentification(ids, "calibrationLaboratory", k.id, kDccCalibrationId);
-  addIdentification(ids, "calibrationLaboratory", c.checksum.empty() ? checksumOf(k) : c.checksum,
-                    kDccFileChecksum);
+  addIdentification(ids, "calibrationLaboratory", c.checksum, kDccFileChecksum);
   if (!k.sessionHash.empty()) addIdentification(ids, "calibrationLaboratory", k.sessionHash, kDccSessionHash);
-  const std::string issued = c.facts.issued.empty() ? utcNow() : c.facts.issued;
   const std::string measured = dateOfMeasurement(k);
   for (const char* date : {"dcc:beginPerformanceDate", "dcc:endPerformanceDate"})
-    addLeaf(core, date, dateOf(measured.empty() ? issued : measured));
+    addLeaf(core, date, dateOf(measured.empty() ? c.facts.issued : measured));
   addLeaf(core, "dcc:performanceLocation", "other");
-  addLeaf(core, "dcc:issueDate", dateOf(issued));
+  addLeaf(core, "dcc:issueDate", dateOf(c.facts.issued));
   if (c.replaces.empty()) return;
   XMLElement& replaced = add(core, "dcc:reportAmendedSubstituted");
   addLeaf(replaced, "dcc:typeOfChange", "substituted");
@@ -204,7 +175,7 @@ void addAdministrativeData(XMLElement& root, const Certificate& c, bool toBeSign
   addCoreData(data, c);
   XMLElement& item = add(add(data, "dcc:items"), "dcc:item");
   addText(item, "dcc:name", c.calibration.machineName);
-  addIdentification(add(item, "dcc:identifications"), "manufacturer", c.serial, "serial number");
+  addIdentification(add(item, "dcc:identifications"), "manufacturer", c.facts.serial, "serial number");
   XMLElement& laboratory = add(data, "dcc:calibrationLaboratory");
   addContact(laboratory, "dcc:contact", c.facts.laboratory, c.facts.place);
   addLeaf(laboratory, "dcc:cryptElectronicSignature", toBeSigned ? "true" : "false");
@@ -214,6 +185,18 @@ void addAdministrativeData(XMLElement& root, const Certificate& c, bool toBeSign
     addLeaf(addPerson(persons, c.facts.authorisedBy, "authorised by"), "dcc:mainSigner", "true");
   addContact(data, "dcc:customer", c.facts.customer, "");
   addStatements(data, c);
+}
+
+/// The D-SI's name of one factor of a unit; empty: it has none.
+std::optional<std::string> dsiFactor(const std::string& name) {
+  static const std::map<std::string, std::string> kNames = {
+      {"1", ""},           {"um", "\\micro\\metre"},    {"mm", "\\milli\\metre"}, {"m", "\\metre"},
+      {"deg", "\\degree"}, {"arcsec", "\\arcsecond"},   {"rad", "\\radian"},      {"mrad", "\\milli\\radian"},
+      {"K", "\\kelvin"},   {"degC", "\\degreecelsius"}, {"s", "\\second"},        {"min", "\\minute"},
+      {"h", "\\hour"},     {"%", "\\percent"}};
+  const auto found = kNames.find(name);
+  if (found == kNames.end()) return std::nullopt;
+  return found->second;
 }
 
 /// si:real, or text where the D-SI has no such unit.
@@ -253,7 +236,8 @@ void addMethods(XMLElement& results, const Certificate& c) {
 }
 
 void addReference(XMLElement& results, const Certificate& c) {
-  if (!c.calibration.artifact && !(c.scaleStd > 0.0) && !(c.radiusStd > 0.0)) return;
+  if (!c.calibration.artifact && !(c.conditions.artifactScale > 0.0) && !(c.conditions.artifactRadius > 0.0))
+    return;
   const CalibratedBy a = c.calibration.artifact.value_or(CalibratedBy());
   XMLElement& equipment = add(add(results, "dcc:measuringEquipments"), "dcc:measuringEquipment");
   addText(equipment, "dcc:name",
@@ -276,11 +260,12 @@ void addReference(XMLElement& results, const Certificate& c) {
     state("largest U (k = 2) of a position", 2.0 * a.centreStd / kMicrometre, "um");
     state("largest U (k = 2) of a radius", 2.0 * a.radiusStd / kMicrometre, "um");
   }
-  if (c.scaleStd > 0.0 || a.features == 0)
-    state("U (k = 2) of the scale, stated for the predicted results", 2e6 * c.scaleStd, "um/m");
-  if (c.radiusStd > 0.0)
+  if (c.conditions.artifactScale > 0.0 || a.features == 0)
+    state("U (k = 2) of the scale, stated for the predicted results", 2e6 * c.conditions.artifactScale,
+          "um/m");
+  if (c.conditions.artifactRadius > 0.0)
     state("U (k = 2) of the reference ball's radius, stated for the predicted results",
-          2.0 * c.radiusStd / kMicrometre, "um");
+          2.0 * c.conditions.artifactRadius / kMicrometre, "um");
 }
 
 void addConditions(XMLElement& results, const Domain& d) {
@@ -319,6 +304,23 @@ void addResults(XMLElement& root, const Certificate& c) {
 }
 
 }  // namespace
+
+std::optional<std::string> dsiUnit(const std::string& unit) {
+  std::istringstream parts(unit);
+  std::string text;
+  bool below = false;  // a fraction line
+  for (std::string part; std::getline(parts, part, '/'); below = true) {
+    const std::size_t raised = part.find('^');
+    const std::string power = raised == std::string::npos ? "1" : part.substr(raised + 1);
+    const std::optional<std::string> factor = dsiFactor(part.substr(0, raised));
+    if (!factor || power.size() != 1 || power < "1" || power > "9") return std::nullopt;
+    if (factor->empty()) continue;
+    text += *factor;
+    if (below || power != "1") text += "\\tothe{" + std::string(below ? "-" : "") + power + "}";
+  }
+  if (unit.empty() || unit.back() == '/') return std::nullopt;
+  return text.empty() ? "\\one" : text;
+}
 
 std::string countryOf(const std::string& place) {
   const std::string text(trim(place)), last(trim(text.substr(text.rfind(',') + 1)));

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 
 #include "report/certificate.h"
@@ -16,5 +17,9 @@ std::string dccOf(const Certificate& certificate, const SigningKey* key = nullpt
 
 /// ISO 3166-1 code at the end of a place: "Jena, DE" → "DE". @return empty: there is none.
 std::string countryOf(const std::string& place);
+
+/// A unit of people ("um/m", "arcsec/deg", "1/K") as the D-SI writes it: "\micro\metre\metre\tothe{-1}".
+/// @return empty: the D-SI has no such unit (of a covariate, of a user's formula).
+std::optional<std::string> dsiUnit(const std::string& unit);
 
 }  // namespace mm

@@ -12,7 +12,6 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "report/certificate_seal.h"
 
 namespace mm {
 namespace {
@@ -89,6 +88,7 @@ PublicKeyPointer privateKeyIn(const std::string& pem) {
   return PublicKeyPointer(PEM_read_bio_PrivateKey(bio.get(), nullptr, noPassword, nullptr));
 }
 
+using tinyxml2::XMLConstHandle;
 using tinyxml2::XMLElement;
 
 XMLElement* addElement(XMLElement& parent, const char* name, const char* algorithm = nullptr) {
@@ -215,6 +215,8 @@ void addSignatureTemplate(XMLElement& root, const SigningKey& key) {
   bytes->SetText(key.publicKey.c_str());
 }
 
+namespace {
+
 DccSignature signatureIn(const XMLElement& root, const std::string& source) {
   const std::size_t count = signaturesBelow(root);
   if (count == 0) return {};
@@ -235,6 +237,48 @@ DccSignature signatureIn(const XMLElement& root, const std::string& source) {
   if (name == nullptr || name->GetText() == nullptr || name->GetText() != found.fingerprint)
     throw InputError(source +
                      ": its signature names another key than it carries; ask the issuer for the original");
+  return found;
+}
+
+std::string textBelow(const XMLConstHandle& parent, const char* name) {
+  const XMLElement* element = parent.FirstChildElement(name).ToElement();
+  return element == nullptr || element->GetText() == nullptr ? std::string() : element->GetText();
+}
+
+}  // namespace
+
+bool isDcc(const std::string& content) {
+  return !startsWith(content, "%PDF-") && !startsWith(content, "<!DOCTYPE html>") &&
+         content.find("digitalCalibrationCertificate") != std::string::npos;
+}
+
+DccContents dccContents(const std::string& xml, const std::string& source) {
+  tinyxml2::XMLDocument document;
+  // A type definition could make other programs read another text than this one.
+  const bool read = document.Parse(xml.data(), xml.size()) == tinyxml2::XML_SUCCESS &&
+                    document.RootElement() != nullptr && xml.find("<!DOCTYPE") == std::string::npos &&
+                    xml.find("<!ENTITY") == std::string::npos;
+  const XMLElement* root = read ? document.RootElement() : nullptr;
+  if (root == nullptr || std::string(root->Name()) != "dcc:digitalCalibrationCertificate")
+    throw InputError(source +
+                     ": is no digital calibration certificate (dcc:digitalCalibrationCertificate), or is "
+                     "truncated; name another file");
+  DccContents found;
+  const XMLConstHandle data = XMLConstHandle(root).FirstChildElement("dcc:administrativeData"),
+                       core = data.FirstChildElement("dcc:coreData"),
+                       ids = core.FirstChildElement("dcc:identifications");
+  found.number = textBelow(core, "dcc:uniqueIdentifier");
+  for (const XMLElement* id = ids.FirstChildElement("dcc:identification").ToElement(); id != nullptr;
+       id = id->NextSiblingElement("dcc:identification")) {
+    const std::string name = textBelow(XMLConstHandle(id).FirstChildElement("dcc:name"), "dcc:content"),
+                      value = textBelow(XMLConstHandle(id), "dcc:value");
+    if (name == kDccCalibrationId) found.calibration = value;
+    if (name == kDccFileChecksum) found.checksum = value;
+    if (name == kDccSessionHash) found.session = value;
+  }
+  found.signatureAnnounced = textBelow(data.FirstChildElement("dcc:calibrationLaboratory"),
+                                       "dcc:cryptElectronicSignature") == "true";
+  found.signature = signatureIn(*root, source);
   return found;
 }
 

@@ -1,14 +1,21 @@
 #pragma once
 #include <string>
 
+#include "report/certificate_seal.h"
+
 namespace tinyxml2 {
 class XMLElement;
 }
 
 namespace mm {
 
-// XML signature (W3C, XML Signature Syntax and Processing 1.1) that is enveloped in a document: what it
-// covers and with which key. The cryptography is xmlsec1's.
+// What a digital certificate says of itself, and its enveloped XML signature (W3C, XML Signature Syntax and
+// Processing 1.1): what it covers and with which key. The cryptography is xmlsec1's.
+
+// Names of the identifications of a digital certificate.
+inline constexpr const char* kDccCalibrationId = "calibration id";
+inline constexpr const char* kDccFileChecksum = "CRC-64 of the calibration file";
+inline constexpr const char* kDccSessionHash = "hash of the session";
 
 /// What the signature states of a private key, never the key itself.
 struct SigningKey {
@@ -31,13 +38,23 @@ void addSignatureTemplate(tinyxml2::XMLElement& root, const SigningKey& key);
 
 /// The signature of a document.
 struct DccSignature {
-  bool there = false;
+  bool there = false;       // else it is not signed
   std::string publicKey;    // PEM, of the key that the document names
   std::string fingerprint;  // of it
 };
 
-/// @return `there` false: it is not signed. @throw InputError: it has several signatures, or one that does
-/// not cover the whole document in the form that mm writes.
-DccSignature signatureIn(const tinyxml2::XMLElement& root, const std::string& source);
+/// What a digital certificate says of itself: what a seal says, but for the SHA-256; empty: not told.
+struct DccContents : CertificateSeal {
+  bool signatureAnnounced = false;  // by the laboratory's data
+  DccSignature signature;
+};
+
+/// Whether a file is to be read as a DCC: it has its root and is not a page or a PDF, whatever else stands in
+/// it. A seal of these says nothing of it: everybody can append one.
+bool isDcc(const std::string& content);
+
+/// @throw InputError: no DCC; it has several signatures, or one that does not cover the whole document in the
+/// form that mm writes.
+DccContents dccContents(const std::string& xml, const std::string& source);
 
 }  // namespace mm

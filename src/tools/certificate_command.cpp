@@ -17,7 +17,6 @@
 #include "report/certificate_issue.h"
 #include "report/certificate_seal.h"
 #include "report/dcc.h"
-#include "report/dcc_contents.h"
 #include "session/session_hash.h"
 #include "tools/commands.h"
 #include "tools/exit_status.h"
@@ -119,7 +118,6 @@ std::string whichCertificate(const CertificateSeal& seal) {
 /// signed.
 void checkDcc(const CertificateCommand& c, const std::string& xml, int& exitStatus) {
   const DccContents dcc = dccContents(xml, c.check);
-  const CertificateSeal seal{dcc.calibration, dcc.number, dcc.checksum, dcc.session, {}};
   std::string finding;
   if (!dcc.signature.there) {
     if (dcc.signatureAnnounced)
@@ -143,9 +141,8 @@ void checkDcc(const CertificateCommand& c, const std::string& xml, int& exitStat
                      : "the key of SHA-256 " + dcc.signature.fingerprint +
                            "\nwhose key that is, only the issuer can say; name theirs with --key\n");
   }
-  const std::string compared =
-      seal.calibration.empty() ? std::string() : comparedWith(c, seal);  // may refuse
-  std::cout << finding << whichCertificate(seal) << compared;
+  const std::string compared = dcc.calibration.empty() ? std::string() : comparedWith(c, dcc);  // may refuse
+  std::cout << finding << whichCertificate(dcc) << compared;
 }
 
 void checkIssued(const CertificateCommand& c, int& exitStatus) {
@@ -298,13 +295,13 @@ void runCertificate(CertificateCommand& c, int& exitStatus) {
   certificate.facts.issued = utcNow();
   certificate.checksum = checksumIn(readFile(c.calibration), c.calibration);
   certificate.store = recordOf(c, calibration);
-  certificate.serial =
-      !c.facts.serial.empty() ? c.facts.serial : serialOf(Machine(calibration.urdf, calibration.machineName));
+  if (certificate.facts.serial.empty())
+    certificate.facts.serial = serialOf(Machine(calibration.urdf, calibration.machineName));
   if (!c.bag.empty()) certificate.session = heldAgainst(c, calibration);
   certificate.tasks = certifiedTasks(c, calibration);
   certificate.conditions = c.uncertainty.conditionsFor(calibration.domain);
   certificate.points = c.uncertainty.points.points;
-  decideConformity(certificate, certificate.conditions);
+  decideConformity(certificate);
   certificate.curves = correctionCurves(calibration);
   IssueNumber before;
   if (kindOf(c.output) == FileKind::kCertificate)

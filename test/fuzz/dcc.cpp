@@ -1,6 +1,6 @@
 // Digital certificates: what is read names a key, or has no signature.
 #include "fuzz_support.h"
-#include "report/dcc_contents.h"
+#include "report/dcc_signature.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   mm::DccContents found;

@@ -32,7 +32,9 @@ Certificate exampleCertificate() {
   c.calibration.covariance(0, 0) = 4e-12;
   c.calibration.artifact = CalibratedBy{"plate <no. 7>", 9, false, 1e-3, 0.05, 0.2e-6, 0.0};
   c.calibration.rms = c.calibration.heldOutRms = c.calibration.repeatability = 0.3e-6;
-  c.serial = "M-17";
+  c.number = c.calibration.id + "-20260302T080000123Z-1";
+  c.checksum = "0123456789abcdef";
+  c.facts.serial = "M-17";
   c.facts.operatorName = "E. Abbe";
   c.facts.traceability = "D-K-15070 & 2026";
   c.facts.issued = "2026-03-02T08:00:00Z";
@@ -151,7 +153,7 @@ TEST(Certificate, OfASimulationIsNone) {
   c.calibration.artifact->radiusStd = 0.1e-6;
   EXPECT_EQ(certificatePage(c).find("SIMULATED"), std::string::npos);
   c.calibration.sessionOrigin = "simulated";
-  decideConformity(c, {});
+  decideConformity(c);
   EXPECT_TRUE(c.tasks[0].verdicts.empty());
   EXPECT_EQ(c.tasks[0].noConformity, std::vector<std::string>{"the session is simulated"});
   const std::string page = certificatePage(c);
@@ -360,7 +362,7 @@ TEST(CertificateConformity, NeedsTheUncertaintyOfTheReference) {
   conditions.artifactScale = 1e-6;
   EXPECT_TRUE(missing().empty());
 
-  c.scaleStd = 1e-6;
+  c.conditions.artifactScale = 1e-6;
   c.tasks[0].noConformity = {"the uncertainty of <this> is not stated"};
   c.tasks[0].asked = true;
   c.tasks[0].verdicts.clear();
@@ -374,7 +376,7 @@ TEST(CertificateConformity, NeedsAModelAndACalibrationThatHold) {
   const auto why = [](const Certificate& made) {
     Certificate c = made;
     c.calibration.artifact->radiusStd = 0.1e-6;
-    decideConformity(c, {});
+    decideConformity(c);
     EXPECT_EQ(c.tasks[0].verdicts.empty(), !c.tasks[0].noConformity.empty());
     return c.tasks[0].noConformity;
   };
