@@ -5,7 +5,7 @@ import { useMemo } from "preact/hooks";
 import { useDocument } from "./server.js";
 import { Empty, Section, Table } from "./parts.js";
 import { Chart, axis, curveWithBand } from "./chart.js";
-import { wordColours } from "./scatter.js";
+import { classes, wordColours } from "./scatter.js";
 import { shown, unitOf } from "./units.js";
 
 const hours = (list) => list.map((s) => s / 3600);
@@ -30,22 +30,15 @@ function Courses({ series, label, unit }) {
 /** Mean residual of classes of time, with its band. */
 function Drift({ points }) {
   const time = points.columns.find((c) => c.name === "time"), residual = points.columns[0], factor = shown(points.unit)[0];
-  const classes = useMemo(() => {
+  const bins = useMemo(() => {
     if (!time) return [];
     const rows = residual.values.map((v, r) => r).filter((r) => known(residual.values[r]) && known(time.values[r])).sort((a, b) => time.values[a] - time.values[b]);
-    const count = Math.max(3, Math.min(30, Math.floor(rows.length / 12))), out = [];
-    for (let k = 0; k < count; ++k) {
-      const part = rows.slice(Math.floor((k * rows.length) / count), Math.floor(((k + 1) * rows.length) / count));
-      if (part.length < 3) continue;
-      const mean = (f) => part.reduce((s, r) => s + f(r), 0) / part.length, m = mean((r) => residual.values[r]);
-      out.push({ at: mean((r) => time.values[r]) / 3600, mean: m, half: 2 * Math.sqrt(mean((r) => (residual.values[r] - m) ** 2) / (part.length - 1)) });
-    }
-    return out;
+    return classes(hours(rows.map((r) => time.values[r])), rows.map((r) => residual.values[r]), null, Math.max(3, Math.min(30, Math.floor(rows.length / 12))));
   }, [points]);
-  if (classes.length < 3) return h(Empty, null, "Too few measurements to see a drift.");
-  const of = (f) => classes.map((b) => f(b) * factor);
-  const make = (c) => curveWithBand(c, { x: classes.map((b) => b.at), y: of((b) => b.mean), half: of((b) => b.half), xLabel: "time, h", yLabel: "mean residual, " + unitOf(points.unit) });
-  return h("figure", null, h(Chart, { make, inputs: [classes, factor], label: "Mean residual of " + classes.length + " classes of time with their bands" }), h("figcaption", null, "Mean of measured \u2212 model in each class ± 2 standard errors: a mean away from zero that stays away is a drift that the model does not know."));
+  if (bins.length < 3) return h(Empty, null, "Too few measurements to see a drift.");
+  const of = (f) => bins.map((b) => f(b) * factor);
+  const make = (c) => curveWithBand(c, { x: bins.map((b) => b.at), y: of((b) => b.mean), half: of((b) => b.half), xLabel: "time, h", yLabel: "mean residual, " + unitOf(points.unit) });
+  return h("figure", null, h(Chart, { make, inputs: [bins, factor], label: "Mean residual of " + bins.length + " classes of time with their bands" }), h("figcaption", null, "Mean of measured \u2212 model in each class ± 2 standard errors: a mean away from zero that stays away is a drift that the model does not know."));
 }
 
 /** The sensors that the model uses. */

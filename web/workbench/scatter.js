@@ -55,14 +55,13 @@ function orderOf(column) {
   return order;
 }
 
-/** Mean and standard error of y in classes of x with about as many rows each. */
-function classes(x, y, words) {
+/** Mean of y, twice its standard error, in so many classes of x, which ascends, with about as many rows each; or in those of words. */
+export function classes(x, y, words, count = Math.max(4, Math.min(24, Math.floor(Math.sqrt(x.length) / 2)))) {
   const bins = [];
   if (words) {
     words.forEach((w, i) => bins.push({ at: i, y: [] }));
     x.forEach((v, k) => bins[Math.round(v)] && bins[Math.round(v)].y.push(y[k]));
   } else {
-    const count = Math.max(4, Math.min(24, Math.floor(Math.sqrt(x.length) / 2)));
     for (let b = 0; b < count; ++b) {
       const from = Math.floor((b * x.length) / count), to = Math.floor(((b + 1) * x.length) / count);
       if (to - from < 3) continue;
