@@ -56,9 +56,17 @@ void PriorOfSisters::match(const CalibrationResult& result) {
           !sameEffect(parseEffectSpec(prior.effect, folder_), effect.spec(), model.domain()))
         continue;
       known = true;
-      if (result.identifiability.fixed[static_cast<std::size_t>(i)] == 0)
-        used_.push_back({prior, i, prior.mean / p.toUnit, prior.std / p.toUnit, p.toUnit});
+      if (result.identifiability.fixed[static_cast<std::size_t>(i)] != 0) continue;
+      used_.push_back({prior, p.toUnit});
+      at_.push_back(i);
     }
+  }
+  mean_.resize(static_cast<Eigen::Index>(used_.size()));
+  std_ = mean_;
+  for (Eigen::Index i = 0; i < mean_.size(); ++i) {
+    const Used& u = used_[static_cast<std::size_t>(i)];
+    mean_[i] = u.sisters.mean / u.toUnit;
+    std_[i] = u.sisters.std / u.toUnit;
   }
   if (!known)
     throw InputError(
@@ -68,61 +76,48 @@ void PriorOfSisters::match(const CalibrationResult& result) {
 }
 
 void PriorOfSisters::judge(const CalibrationResult& result) {
-  const auto count = static_cast<Eigen::Index>(used_.size());
-  Eigen::VectorXd away(count);
-  Eigen::MatrixXd expected(count, count);
+  const Eigen::VectorXd away = result.x(at_) - mean_;
+  Eigen::MatrixXd expected = result.covariance(at_, at_);
+  expected.diagonal() += std_.cwiseAbs2();
   double least = 2.0;
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Used& u = used_[static_cast<std::size_t>(i)];
-    away[i] = result.x[u.parameter] - u.mean;
-    for (Eigen::Index j = 0; j < count; ++j)
-      expected(i, j) = result.covariance(u.parameter, used_[static_cast<std::size_t>(j)].parameter);
-    expected(i, i) += u.std * u.std;
+  for (std::size_t i = 0; i < used_.size(); ++i) {
+    const Used& u = used_[i];
+    const auto row = static_cast<Eigen::Index>(i);
     const double p =
-        twoSidedT(away[i] / std::sqrt(expected(i, i)), static_cast<double>(u.sisters.machines) - 1.0);
+        twoSidedT(away[row] / std::sqrt(expected(row, row)), static_cast<double>(u.sisters.machines) - 1.0);
     if (p >= least) continue;
     least = p;
     worst_ = u.sisters.name + " of " + u.sisters.effect +
              format(" is %.3g ± %.2g %s here, %.3g ± %.2g %s on %zu machines of the same type (k = 2)",
-                    result.x[u.parameter] * u.toUnit, 2.0 * result.std(u.parameter) * u.toUnit,
-                    u.sisters.unit.c_str(), u.sisters.mean, 2.0 * u.sisters.std, u.sisters.unit.c_str(),
-                    u.sisters.machines);
+                    result.x[at_[i]] * u.toUnit, 2.0 * result.std(at_[i]) * u.toUnit, u.sisters.unit.c_str(),
+                    u.sisters.mean, 2.0 * u.sisters.std, u.sisters.unit.c_str(), u.sisters.machines);
   }
-  if (count == 0) return;
-  const double together = conflictOf(away.dot(solveSymmetric(expected, away)), static_cast<double>(count));
-  chance_ = std::min({1.0, 2.0 * together, 2.0 * static_cast<double>(count) * least});  // two ways of asking
+  if (used_.empty()) return;
+  const auto count = static_cast<double>(used_.size());
+  const double together = conflictOf(away.dot(solveSymmetric(expected, away)), count);
+  chance_ = std::min({1.0, 2.0 * together, 2.0 * count * least});  // two ways of asking
   contradicted_ = chance_ < kConflict;
 }
 
 void PriorOfSisters::update(CalibrationResult& result) const {
-  const auto count = static_cast<Eigen::Index>(used_.size());
-  const Eigen::Index all = result.covariance.rows();
-  Eigen::MatrixXd seen(all, count), total(count, count);
-  Eigen::VectorXd away(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Used& u = used_[static_cast<std::size_t>(i)];
-    seen.col(i) = result.covariance.col(u.parameter);
-    away[i] = u.mean - result.x[u.parameter];
-  }
-  for (Eigen::Index i = 0; i < count; ++i) {
-    total.row(i) = seen.row(used_[static_cast<std::size_t>(i)].parameter);
-    total(i, i) += std::pow(used_[static_cast<std::size_t>(i)].std, 2);
-  }
+  const Eigen::MatrixXd seen = result.covariance(Eigen::all, at_);
+  Eigen::MatrixXd total = seen(at_, Eigen::all);
+  total.diagonal() += std_.cwiseAbs2();
   const Eigen::MatrixXd gain = solveSymmetric(total, seen.transpose()).transpose();
-  result.x += gain * away;
+  result.x += gain * (mean_ - result.x(at_));
   const Eigen::MatrixXd covariance = result.covariance - gain * seen.transpose();
   result.covariance = 0.5 * (covariance + covariance.transpose());
 }
 
 void PriorOfSisters::judgeAnew(const CalibrationResult& alone, CalibrationResult& joined) const {
-  const auto count = static_cast<Eigen::Index>(used_.size());
+  const Eigen::Index count = mean_.size();
   const double variance = alone.figures.chi2PerDof > 0.0 ? alone.figures.chi2PerDof : 1.0;
   Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(count, alone.x.size());
   double priors = 0.0;
   for (Eigen::Index i = 0; i < count; ++i) {
-    const Used& u = used_[static_cast<std::size_t>(i)];
-    rows(i, u.parameter) = std::sqrt(variance) / u.std;  // the session's rows count by their own scatter
-    priors += std::pow((joined.x[u.parameter] - u.mean) / u.std, 2);
+    const int parameter = at_[static_cast<std::size_t>(i)];
+    rows(i, parameter) = std::sqrt(variance) / std_[i];  // the session's rows count by their own scatter
+    priors += std::pow((joined.x[parameter] - mean_[i]) / std_[i], 2);
   }
   // networks are judged by training them again, which a prior of other parameters hardly changes
   joined.heldOut = alone.heldOut + heldOutAt(alone, joined.x, rows) -

@@ -28,8 +28,6 @@ class PriorOfSisters {
  private:
   struct Used {
     PopulationPrior sisters;
-    int parameter = 0;             // of the model
-    double mean = 0.0, std = 0.0;  // SI
     double toUnit = 1.0;
   };
   void match(const CalibrationResult& result);
@@ -41,8 +39,10 @@ class PriorOfSisters {
   std::string folder_;
   std::vector<PopulationPrior> all_;
   std::vector<Used> used_;
-  double chance_ = 1.0;  // of what the session says, were the machine a sister
-  std::string worst_;    // the parameter that contradicts most, in words
+  std::vector<int> at_;         // the parameter of the model, of each
+  Eigen::VectorXd mean_, std_;  // of each, SI
+  double chance_ = 1.0;         // of what the session says, were the machine a sister
+  std::string worst_;           // the parameter that contradicts most, in words
   bool contradicted_ = false;
 };
 
