@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/nearest_name.h"
+#include "base/text.h"
 #include "ros_bridge/effect_plugins.h"
 #include "tools/exit_status.h"
 #include "tools/interrupt.h"
@@ -29,24 +30,32 @@ int fail(const CLI::App& app, int status, const std::string& message) {
 
 /// One line that says what is left of the work.
 int stopped(const CLI::App& app) {
-  std::string files;
-  for (const std::string& file : OutputFiles::written()) files += (files.empty() ? "" : ", ") + file;
+  const std::string files = joined(OutputFiles::written(), ", ");
   std::cerr << app.get_name() << ": stopped by Ctrl-C; "
             << (files.empty() ? "nothing was written" : "written: " + files) << std::endl;
   return kStopped;
 }
 
-/// `mm plan old`: a command that only has commands of its own, and a word that is none of them; else empty.
-std::string unknownSecondWord(const CLI::App& app, int argc, char** argv) {
-  if (argc < 3 || argv[2][0] == '-') return {};
-  for (const CLI::App* command : app.get_subcommands(nullptr)) {
-    if (command->get_name() != argv[1]) continue;
+/// What is wrong with a word that is none of those that are known; empty: it is one of them.
+/// @param what "a command". @param of whose they are, as it is typed.
+std::string unknown(const std::string& word, const std::string& what, const std::string& of,
+                    const std::vector<std::string>& known) {
+  if (std::find(known.begin(), known.end(), word) != known.end()) return {};
+  return "'" + word + "' is not " + what + " of " + of + didYouMean(word, known) + " (" + of +
+         " --help lists them)";
+}
+
+/// `mm plan old`: a word in the place of a command that is none; else empty.
+std::string unknownCommand(const CLI::App& app, int argc, char** argv) {
+  const CLI::App* command = &app;
+  std::string name = app.get_name();
+  for (int i = 1; i < argc && argv[i][0] != '-'; ++i) {
     std::vector<std::string> own;
     for (const CLI::App* sub : command->get_subcommands(nullptr)) own.push_back(sub->get_name());
-    if (own.empty() || std::find(own.begin(), own.end(), argv[2]) != own.end()) return {};
-    const std::string group = app.get_name() + " " + argv[1];
-    return "'" + std::string(argv[2]) + "' is not a command of " + group + didYouMean(argv[2], own) + " (" +
-           group + " --help lists them)";
+    if (own.empty()) return {};
+    if (const std::string wrong = unknown(argv[i], "a command", name, own); !wrong.empty()) return wrong;
+    command = command->get_subcommand(argv[i]);
+    name += std::string(" ") + argv[i];
   }
   return {};
 }
@@ -69,27 +78,18 @@ std::string unknownOption(const CLI::App& app, int argc, char** argv) {
     std::vector<std::string> known;
     for (const CLI::Option* o : command->get_options())
       for (const std::string& l : o->get_lnames()) known.push_back("--" + l);
-    if (std::find(known.begin(), known.end(), option) == known.end())
-      return "'" + option + "' is not an option of " + name + didYouMean(option, known) + " (" + name +
-             " --help lists them)";
+    if (const std::string wrong = unknown(option, "an option", name, known); !wrong.empty()) return wrong;
   }
   return {};
 }
 
 /// What CLI11 found wrong with the command line; a word that is no subcommand is named.
 std::string usageError(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
-  std::vector<std::string> commands;
-  for (const CLI::App* command : app.get_subcommands(nullptr)) commands.push_back(command->get_name());
-  const std::string word = argc > 1 ? argv[1] : "-";
-  const std::string name = app.get_name();
-  if (!commands.empty() && word.rfind('-', 0) != 0 &&
-      std::find(commands.begin(), commands.end(), word) == commands.end())
-    return "'" + word + "' is not a command of " + name + didYouMean(word, commands) + " (" + name +
-           " --help lists them)";
-  if (const std::string wrong = unknownSecondWord(app, argc, argv); !wrong.empty()) return wrong;
+  if (const std::string wrong = unknownCommand(app, argc, argv); !wrong.empty()) return wrong;
   if (const std::string wrong = unknownOption(app, argc, argv); !wrong.empty()) return wrong;
-  const bool command = !commands.empty() && word.rfind('-', 0) != 0;
-  return std::string(error.what()) + "; see " + name + (command ? " " + word : "") + " --help";
+  const bool command = !app.get_subcommands(nullptr).empty() && argc > 1 && argv[1][0] != '-';
+  return std::string(error.what()) + "; see " + app.get_name() +
+         (command ? " " + std::string(argv[1]) : std::string()) + " --help";
 }
 
 void addExitStatus(CLI::App& app) {
