@@ -13,14 +13,12 @@
 namespace mm {
 namespace {
 
-/// The words of CLI::IsMember, which stand between braces in the type's name.
-std::vector<std::string> wordsOf(const std::string& type) {
-  std::vector<std::string> words;
-  const std::size_t open = type.find('{'), close = type.find('}');
-  if (open == std::string::npos || close == std::string::npos) return words;
-  std::istringstream in(type.substr(open + 1, close - open - 1));
-  for (std::string word; std::getline(in, word, ',');) words.push_back(word);
-  return words;
+/// What a validator adds to a type's name: the words of CLI::IsMember between braces, bounds between
+/// brackets.
+std::string addedTo(const std::string& type, const std::string& open, char close) {
+  const std::size_t from = type.find(open), to = type.find(close);
+  if (from == std::string::npos || to == std::string::npos) return {};
+  return type.substr(from + open.size(), to - from - open.size());
 }
 
 /// What CLI11 does not know of an option or a positional: words that it takes beside others, its files.
@@ -63,10 +61,9 @@ CommandOption toOption(const CLI::Option& option) {
   o.required = option.get_required();
   o.takesValue = option.get_expected_max() > 0;
   const std::string type = option.get_type_name();
-  o.words = wordsOf(type);
-  const std::size_t open = type.find(":["), close = type.find(']');
-  if (open != std::string::npos && close != std::string::npos)
-    o.bounds = type.substr(open + 2, close - open - 2);
+  std::istringstream words(addedTo(type, "{", '}'));
+  for (std::string word; std::getline(words, word, ',');) o.words.push_back(word);
+  o.bounds = addedTo(type, ":[", ']');
   o.placeholder = o.names.empty() ? option.get_name() : type.substr(0, type.find(':'));
   static const std::vector<Values> values = knownValues();
   if (!o.words.empty()) return o;
@@ -80,9 +77,9 @@ CommandOption toOption(const CLI::Option& option) {
 }
 
 void collect(const CLI::App& app, const std::string& before, std::vector<Command>& all) {
-  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) {
+  for (const CLI::App* sub : app.get_subcommands(nullptr)) {
     const std::string name = before + sub->get_name();
-    if (!sub->get_subcommands([](const CLI::App*) { return true; }).empty()) {
+    if (!sub->get_subcommands(nullptr).empty()) {
       collect(*sub, name + " ", all);
       continue;
     }
@@ -107,8 +104,7 @@ std::string namesOf(const std::vector<CommandOption>& options) {
 
 /// "machine new" as a name of a function or a page.
 std::string dashed(std::string name) {
-  for (char& c : name)
-    if (c == ' ') c = '-';
+  std::replace(name.begin(), name.end(), ' ', '-');
   return name;
 }
 
