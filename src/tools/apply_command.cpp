@@ -1,9 +1,6 @@
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <iostream>
-#include <memory>
 
 #include "base/cancel_scope.h"
 #include "base/error.h"
@@ -18,12 +15,14 @@
 #include "tools/one_line.h"
 #include "tools/output_files.h"
 #include "tools/progress_bar.h"
+#include "tools/store_options.h"
 
 namespace mm {
 namespace {
 
 struct ApplyOptions {
-  std::string csv, calibration, store, output;
+  std::string csv, calibration, output;
+  StoreOptions store;
   double margin = 0.10;
   int table = 0;  // points along each joint; 0: no table
   OutputFiles files;
@@ -31,8 +30,7 @@ struct ApplyOptions {
 
 Calibration chosenCalibration(const ApplyOptions& options) {
   if (!options.calibration.empty()) return loadCalibration(options.calibration);
-  const CalibrationStore store(options.store.empty() ? CalibrationStore::defaultFolder()
-                                                     : std::filesystem::path(options.store));
+  const CalibrationStore store = options.store.store();
   CalibrationStore::Active active = store.active();
   warn(active.warning);
   if (!active.calibration)
@@ -98,34 +96,28 @@ void runApply(ApplyOptions& options) {
 
 }  // namespace
 
-void addApplyCommand(CLI::App& app, int& /*exitStatus*/) {
-  auto options = std::make_shared<ApplyOptions>();
-  CLI::App* command = app.add_subcommand("apply", "Correct the positions in a CSV with a calibration");
-  command->add_option("csv", options->csv, "states of the machine, in the import format");
-  command->add_option("--calibration", options->calibration,
-                      "the calibration file (default: the active calibration)");
-  command->add_option("--store", options->store, "folder of calibrations (default: $MM_CALIBRATIONS)");
-  command->add_option("-o,--output", options->output, "the CSV to write; - for standard output")->required();
-  command
-      ->add_option("--margin", options->margin,
-                   "margin beyond the calibrated range within which a row is still valid, as a fraction of "
-                   "the range")
-      ->check(numberWithin(0.0, 10.0))
-      ->capture_default_str();
-  command
-      ->add_option(
-          "--table", options->table,
-          "instead of correcting a CSV, write the table that a controller adds to its commands, with this "
-          "number of points along each joint")
-      ->check(wholeNumberWithin(2, 101));
-  options->files.declare(*command);
-  command->footer(
+void addApplyCommand(CLI::App& app, int& exitStatus) {
+  auto [options, command] = addCommand<ApplyOptions>(app, exitStatus, runApply, "apply",
+                                                     "Correct the positions in a CSV with a calibration");
+  command.add_option("csv", options.csv, "states of the machine, in the import format");
+  command.add_option("--calibration", options.calibration,
+                     "the calibration file (default: the active calibration)");
+  command.add_option("--store", options.store.folder, "folder of calibrations (default: $MM_CALIBRATIONS)");
+  command.add_option("-o,--output", options.output, "the CSV to write; - for standard output")->required();
+  standardOption(command, "--margin", options.margin, numberWithin(0.0, 10.0),
+                 "margin beyond the calibrated range within which a row is still valid, as a fraction of "
+                 "the range");
+  checkedOption(
+      command, "--table", options.table, wholeNumberWithin(2, 101),
+      "instead of correcting a CSV, write the table that a controller adds to its commands, with this "
+      "number of points along each joint");
+  options.files.declare(command);
+  command.footer(
       "Adds corrected_x_mm, corrected_y_mm, corrected_z_mm (probe tip, or surface point of a laser, in "
       "workpiece),\n"
       "sigma_um (standard deviation of a coordinate, from the calibration) and valid (1 or 0) to each row.\n"
       "time_s counts as in the calibrated session; effects of time are not applied after its end.\n"
       "Example: mm apply states.csv --calibration c.yaml -o corrected.csv");
-  command->callback([options] { runApply(*options); });
 }
 
 }  // namespace mm

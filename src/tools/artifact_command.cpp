@@ -1,6 +1,4 @@
-#include <CLI/CLI.hpp>
 #include <iostream>
-#include <memory>
 
 #include "base/error.h"
 #include "base/format.h"
@@ -8,6 +6,7 @@
 #include "calibration_file/calibration_yaml.h"
 #include "session/plan_writer.h"
 #include "tools/commands.h"
+#include "tools/one_line.h"
 #include "tools/output_files.h"
 
 namespace mm {
@@ -66,34 +65,31 @@ void runArtifact(const ArtifactCommand& given) {
   bool free = false;
   for (const FoundInArtifact& f : calibration.artifact->found) free |= f.free;
   if (!free)
-    std::cerr << "mm: warning: every position was taken from the artifact file and none was estimated: "
-                 "declare them free (centre: free) and measure the artifact in several placements"
-              << std::endl;
+    warn(
+        "every position was taken from the artifact file and none was estimated: declare them free (centre: "
+        "free) and measure the artifact in several placements");
   if (c.output.empty()) return;
   c.files.write(c.output, artifactYaml(foundArtifact(*calibration.artifact)));
   std::cout << "written to " << c.output << '\n';
-  std::cerr
-      << "mm: a calibration does not store styli, repeatability, expansion and temperature sensor: copy "
-         "these lines from the original artifact file"
-      << std::endl;
+  say("a calibration does not store styli, repeatability, expansion and temperature sensor: copy these lines "
+      "from the original artifact file");
 }
 
 }  // namespace
 
-void addArtifactCommand(CLI::App& app, int& /*exitStatus*/) {
-  auto c = std::make_shared<ArtifactCommand>();
-  CLI::App* command = app.add_subcommand(
-      "artifact", "Write the artifact file with the positions and radii that a calibration estimated");
-  command->add_option("calibration", c->calibration, "the calibration file")->required();
-  command->add_option("-o,--output", c->output, "the artifact file");
-  c->files.declare(*command);
-  command->footer(
+void addArtifactCommand(CLI::App& app, int& exitStatus) {
+  auto [c, command] = addCommand<ArtifactCommand>(
+      app, exitStatus, runArtifact, "artifact",
+      "Write the artifact file with the positions and radii that a calibration estimated");
+  command.add_option("calibration", c.calibration, "the calibration file")->required();
+  command.add_option("-o,--output", c.output, "the artifact file");
+  c.files.declare(command);
+  command.footer(
       "Quantities declared free, or known with an uncertainty, get their estimates; all others are "
       "unchanged.\n"
       "Example:\n"
       "  mm calibrate flat.bag turned.bag --model model.yaml -o plate.yaml\n"
       "  mm artifact plate.yaml -o plate_measured.yaml");
-  command->callback([c] { runArtifact(*c); });
 }
 
 }  // namespace mm

@@ -1,6 +1,5 @@
 #include "tools/bounds.h"
 
-#include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -48,6 +47,15 @@ CLI::Validator wholeNumberWithin(std::uint64_t lower, std::uint64_t upper) {
 CLI::Validator anySeed() {
   const std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
   return CLI::Validator(wholeNumberWithin(0, most)).description("");
+}
+
+CLI::Option* repeatedOption(CLI::App& command, const std::string& name, std::vector<std::string>& values,
+                            const std::string& what) {
+  return command.add_option(name, values, what)->take_all()->allow_extra_args(false);
+}
+
+void seedOption(CLI::App& command, std::uint64_t& seed) {
+  standardOption(command, "--seed", seed, anySeed(), "seed of the random number generator");
 }
 
 std::pair<std::string, std::string> assignmentOf(const std::string& text, const std::string& option,

@@ -1,14 +1,13 @@
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iostream>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 
 #include "base/error.h"
+#include "base/json_text.h"
 #include "design/session_doubts.h"
 #include "estimation/ball_centres.h"
 #include "report/json.h"
@@ -17,7 +16,6 @@
 #include "session/session_hash.h"
 #include "tools/bounds.h"
 #include "tools/commands.h"
-#include "tools/json_output.h"
 #include "tools/output_files.h"
 #include "tools/population_prior.h"
 #include "tools/progress_bar.h"
@@ -58,19 +56,15 @@ void declareGenetic(CLI::App& command, CalibrateCommand& c) {
   NichingSettings& n = c.fit.calibrate.niching;
   const auto add = [&](const char* group, const char* name, auto& value, double lower, double upper,
                        const char* what) {
-    command.add_option(name, value, what)
-        ->capture_default_str()
-        ->group(group)
-        ->check(numberWithin(lower, upper));
+    standardOption(command, name, value, numberWithin(lower, upper), what)->group(group);
   };
   const char* const both = "Genetic algorithm";
-  command.add_option("--population", c.population, "population size [staged_mutation 500, niching 200]")
-      ->group(both)
-      ->check(wholeNumberWithin(2, 10'000'000));
-  command
-      .add_option("--generations", c.generations, "number of generations [staged_mutation 100, niching 500]")
-      ->group(both)
-      ->check(wholeNumberWithin(0, 1'000'000'000));
+  checkedOption(command, "--population", c.population, wholeNumberWithin(2, 10'000'000),
+                "population size [staged_mutation 500, niching 200]")
+      ->group(both);
+  checkedOption(command, "--generations", c.generations, wholeNumberWithin(0, 1'000'000'000),
+                "number of generations [staged_mutation 100, niching 500]")
+      ->group(both);
   const char* const staged = "Genetic algorithm: staged_mutation";
   add(staged, "--father-share", s.fatherShare, 1e-6, 1.0,
       "fraction of the population, the best, selected as parents");
@@ -145,14 +139,13 @@ int runCalibrate(CalibrateCommand& c) {
     c.files.write(c.curve, done.result.genetic ? curveCsv(*done.result.genetic, angular)
                                                : curveCsv(GeneticSummary(), angular));
   if (c.json) {
-    const std::string json = calibrateJson(done.result, questions);
+    std::string json = calibrateJson(done.result, questions);
     if (prior.asked()) {
-      auto more = nlohmann::ordered_json::parse(json);
+      Json more = Json::parse(json);
       more["prior"] = prior.json();
-      printJson(std::cout, more);
-    } else {
-      std::cout << json << '\n';
+      json = jsonText(more);
     }
+    std::cout << json << '\n';
   } else {
     std::cout << calibrateText(done.result) << '\n';
     if (!c.output.empty()) std::cout << "written to " << c.output << '\n';
@@ -164,39 +157,38 @@ int runCalibrate(CalibrateCommand& c) {
 }  // namespace
 
 void addCalibrateCommand(CLI::App& app, int& exitStatus) {
-  auto c = std::make_shared<CalibrateCommand>();
-  CLI::App* command = app.add_subcommand("calibrate", "Estimate the parameters of a model from a session");
-  c->bags.declare(*command);
-  command->add_option("--model", c->model, "YAML file with the machine and its effects")->required();
-  command->add_option("-o,--output", c->output, "the calibration file");
+  auto [c, command] = addCommand<CalibrateCommand>(app, exitStatus, runCalibrate, "calibrate",
+                                                   "Estimate the parameters of a model from a session");
+  c.bags.declare(command);
+  command.add_option("--model", c.model, "YAML file with the machine and its effects")->required();
+  command.add_option("-o,--output", c.output, "the calibration file");
   command
-      ->add_option("--method", c->method,
-                   "least_squares: no search, sufficient if all parameters are linear; staged_mutation or "
-                   "niching: genetic search (seconds) for models with several minima, refined by least "
-                   "squares")
+      .add_option("--method", c.method,
+                  "least_squares: no search, sufficient if all parameters are linear; staged_mutation or "
+                  "niching: genetic search (seconds) for models with several minima, refined by least "
+                  "squares")
       ->capture_default_str();
-  command->add_flag("--json", c->json, "print the result as JSON on standard output");
-  command->add_flag(
-      "--two-steps", c->twoSteps,
+  command.add_flag("--json", c.json, "print the result as JSON on standard output");
+  command.add_flag(
+      "--two-steps", c.twoSteps,
       "fit in two steps as in Fei et al.: first the ball centre in each posture, then the model to the "
       "centres (default: fit all contacts and parameters together)");
-  command->add_option(
-      "--prior", c->prior,
+  command.add_option(
+      "--prior", c.prior,
       "folder of machines of the same type (results of mm batch, or calibrations): use their parameters as a "
       "prior, unless the session contradicts it (default: no prior)");
-  command->add_option("--prior-except", c->priorExcept, "machine of that folder to exclude from the prior");
-  command->add_option("--curve", c->curve, "write the best RMS of each generation as CSV");
-  c->files.declare(*command);
-  c->fit.declare(*command, true);
-  declareGenetic(*command, *c);
-  command->footer(
+  command.add_option("--prior-except", c.priorExcept, "machine of that folder to exclude from the prior");
+  command.add_option("--curve", c.curve, "write the best RMS of each generation as CSV");
+  c.files.declare(command);
+  c.fit.declare(command, true);
+  declareGenetic(command, c);
+  command.footer(
       "Exit status 1: the fit did not converge, or the session does not determine a parameter that no "
       "convention\n"
       "fixes; the file is still written.\n"
       "Example:\n"
       "  mm calibrate plate.bag --model model.yaml -o plate.yaml\n"
       "  mm calibrate monday.bag tuesday.bag --model model.yaml -o both.yaml");
-  command->callback([c, &exitStatus] { exitStatus = runCalibrate(*c); });
 }
 
 }  // namespace mm

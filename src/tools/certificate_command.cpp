@@ -1,8 +1,6 @@
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
-#include <memory>
 #include <optional>
 
 #include "base/error.h"
@@ -18,6 +16,7 @@
 #include "report/certificate_seal.h"
 #include "report/dcc.h"
 #include "session/session_hash.h"
+#include "tools/bounds.h"
 #include "tools/commands.h"
 #include "tools/exit_status.h"
 #include "tools/output_files.h"
@@ -116,7 +115,7 @@ std::string whichCertificate(const CertificateSeal& seal) {
 
 /// A digital certificate: the signature, if it has one. @throw InputError: it was changed after it was
 /// signed.
-void checkDcc(const CertificateCommand& c, const std::string& xml, int& exitStatus) {
+int checkDcc(const CertificateCommand& c, const std::string& xml) {
   const DccContents dcc = dccContents(xml, c.check);
   std::string finding;
   if (!dcc.signature.there) {
@@ -124,7 +123,6 @@ void checkDcc(const CertificateCommand& c, const std::string& xml, int& exitStat
       throw InputError(c.check +
                        ": says that it is signed, but has no signature; ask the issuer for the original");
     finding = "not signed: whether it was changed cannot be determined\n";
-    exitStatus = kAnswerIsNo;
   } else {
     requireXmlSigner();
     if (!signatureIsValid(xml, dcc.signature.publicKey, dcc.signature.fingerprint))
@@ -143,11 +141,12 @@ void checkDcc(const CertificateCommand& c, const std::string& xml, int& exitStat
   }
   const std::string compared = dcc.calibration.empty() ? std::string() : comparedWith(c, dcc);  // may refuse
   std::cout << finding << whichCertificate(dcc) << compared;
+  return dcc.signature.there ? kDone : kAnswerIsNo;
 }
 
-void checkIssued(const CertificateCommand& c, int& exitStatus) {
+int checkIssued(const CertificateCommand& c) {
   const std::string content = readFile(c.check);
-  if (isDcc(content)) return checkDcc(c, content, exitStatus);
+  if (isDcc(content)) return checkDcc(c, content);
   if (!c.key.empty())
     throw InputError("--key " + c.key + ": only an XML certificate has a signature, and " + c.check +
                      " is none; leave --key out");
@@ -155,6 +154,7 @@ void checkIssued(const CertificateCommand& c, int& exitStatus) {
   const std::string compared = comparedWith(c, seal);  // may refuse
   std::cout << "content matches its checksum, which has no key: whoever can write the file can renew it\n"
             << whichCertificate(seal) << compared << "SHA-256 " << seal.sha256 << '\n';
+  return kDone;
 }
 
 CertifiedSession heldAgainst(const CertificateCommand& c, const Calibration& calibration) {
@@ -264,8 +264,8 @@ std::string contentOf(const CertificateCommand& c, const Certificate& certificat
       content, {calibration.id, certificate.number, certificate.checksum, calibration.sessionHash, {}});
 }
 
-void runCertificate(CertificateCommand& c, int& exitStatus) {
-  if (!c.check.empty()) return checkIssued(c, exitStatus);
+int runCertificate(CertificateCommand& c) {
+  if (!c.check.empty()) return checkIssued(c);
   if (c.calibration.empty() || c.output.empty())
     throw InputError(std::string("certificate: ") +
                      (c.calibration.empty() ? "a calibration file" : "-o, the file to write,") +
@@ -317,58 +317,55 @@ void runCertificate(CertificateCommand& c, int& exitStatus) {
               << '\n';
   else
     std::cout << "SHA-256 " << checkCertificate(content, c.output).sha256 << '\n';
+  int status = kDone;
   for (const CertifiedTask& task : certificate.tasks) {
     if (task.asked && !task.noConformity.empty())
       warn(task.result.task + ": no statement of conformity: " + joined(task.noConformity, "; "));
     else
       for (const std::string& why : task.result.outside)
         warn(task.result.task + ": the calibration does not hold " + why);
-    if (!task.result.outside.empty() || (task.asked && task.verdicts.empty())) exitStatus = kAnswerIsNo;
+    if (!task.result.outside.empty() || (task.asked && task.verdicts.empty())) status = kAnswerIsNo;
     for (const TaskVerdict& v : task.verdicts)
-      if (v.conformity != Conformity::kConforms) exitStatus = kAnswerIsNo;
+      if (v.conformity != Conformity::kConforms) status = kAnswerIsNo;
   }
+  return status;
 }
 
 }  // namespace
 
 void addCertificateCommand(CLI::App& app, int& exitStatus) {
-  auto c = std::make_shared<CertificateCommand>();
-  CLI::App* command = app.add_subcommand(
-      "certificate", "Write a calibration certificate as PDF, HTML or signed XML (DCC), or check one");
-  command->add_option("calibration", c->calibration, "the calibration file");
-  command->add_option("bag", c->bag, "a session to compare the calibration with");
-  command->add_option("-o,--output", c->output,
-                      "certificate.pdf, certificate.html, or certificate.xml (DCC)");
-  command->add_option(
-      "--check", c->check,
+  auto [c, command] = addCommand<CertificateCommand>(
+      app, exitStatus, runCertificate, "certificate",
+      "Write a calibration certificate as PDF, HTML or signed XML (DCC), or check one");
+  command.add_option("calibration", c.calibration, "the calibration file");
+  command.add_option("bag", c.bag, "a session to compare the calibration with");
+  command.add_option("-o,--output", c.output, "certificate.pdf, certificate.html, or certificate.xml (DCC)");
+  command.add_option(
+      "--check", c.check,
       "check the signature or checksum of this certificate, and whether it belongs to the given "
       "calibration (default: that of the store) and bag");
-  command->add_option("--sign", c->sign,
-                      "sign an XML certificate with this private key (PEM, RSA or EC) by xmlsec1");
-  command->add_option(
-      "--key", c->key,
+  command.add_option("--sign", c.sign,
+                     "sign an XML certificate with this private key (PEM, RSA or EC) by xmlsec1");
+  command.add_option(
+      "--key", c.key,
       "with --check: the issuer's public key or X.509 certificate (PEM), to compare the signature with");
-  command->add_option("--serial", c->facts.serial, "serial number (default: <serial> of the machine's URDF)");
-  command->add_option("--operator", c->facts.operatorName, "who calibrated");
-  command->add_option("--authorised-by", c->facts.authorisedBy,
-                      "who authorises the certificate and signs it");
-  command->add_option("--laboratory", c->facts.laboratory, "laboratory that issues the certificate");
-  command->add_option("--customer", c->facts.customer, "for whom");
-  command->add_option("--place", c->facts.place, "where, with the country's code at its end: \"Jena, DE\"");
-  command->add_option("--traceability", c->facts.traceability,
-                      "traceability of the artifact: its certificate, laboratory and date");
-  command->add_option("--remark", c->facts.remark, "remark to print");
-  command
-      ->add_option("--task", c->tasks,
-                   "measurement task whose uncertainty is stated (mm uncertainty --help); repeatable "
-                   "(default: iso10360-2)")
-      ->take_all()
-      ->allow_extra_args(false);
-  c->uncertainty.declare(*command);
-  c->store.declare(*command);
-  c->files.declare(*command);
-  declareNamespace(*command, c->fit.space);
-  command->footer(
+  command.add_option("--serial", c.facts.serial, "serial number (default: <serial> of the machine's URDF)");
+  command.add_option("--operator", c.facts.operatorName, "who calibrated");
+  command.add_option("--authorised-by", c.facts.authorisedBy, "who authorises the certificate and signs it");
+  command.add_option("--laboratory", c.facts.laboratory, "laboratory that issues the certificate");
+  command.add_option("--customer", c.facts.customer, "for whom");
+  command.add_option("--place", c.facts.place, "where, with the country's code at its end: \"Jena, DE\"");
+  command.add_option("--traceability", c.facts.traceability,
+                     "traceability of the artifact: its certificate, laboratory and date");
+  command.add_option("--remark", c.facts.remark, "remark to print");
+  repeatedOption(command, "--task", c.tasks,
+                 "measurement task whose uncertainty is stated (mm uncertainty --help); repeatable "
+                 "(default: iso10360-2)");
+  c.uncertainty.declare(command);
+  c.store.declare(command);
+  c.files.declare(command);
+  declareNamespace(command, c.fit.space);
+  command.footer(
       "The last line of a PDF or HTML file is the SHA-256 of everything before it; a signed XML\n"
       "file by its signature. Conformity is stated only if the uncertainty of the artifact is.\n"
       "It is a record of calibration where laboratory, serial number, customer, operator, traceability or\n"
@@ -378,7 +375,6 @@ void addCertificateCommand(CLI::App& app, int& exitStatus) {
       "17, PTB 2026-03\" --mpe 1.5,250\n"
       "  mm certificate c.yaml -o certificate.xml --sign key.pem\n"
       "  mm certificate --check certificate.xml --key laboratory.pem");
-  command->callback([c, &exitStatus] { runCertificate(*c, exitStatus); });
 }
 
 }  // namespace mm

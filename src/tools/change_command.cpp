@@ -1,8 +1,6 @@
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
-#include <memory>
 
 #include "base/error.h"
 #include "base/text.h"
@@ -26,6 +24,7 @@ using ModelChange = Recalibration (*)(const Session&, const Calibration&, const 
                                       const CalibrateOptions&);
 
 struct ChangeOptions {
+  ModelChange change = nullptr;
   std::vector<std::string> given;  // bags, and behind them the effect
   Bags bags;
   std::string effect, calibration, output;
@@ -67,10 +66,9 @@ int runAll(ChangeOptions& c, const Session& session, const Calibration& before,
       c.files.write(c.output, same);
     }
     const CalibrationResult held = compareCalibration(session, before, options);
-    if (c.json)
-      std::cout << changeJson(held, before.ledger) << '\n';
-    else
-      std::cout << ledgerText(before, !std::isfinite(held.figures.rms)) << "\nnothing was added\n";
+    std::cout << (c.json ? changeJson(held, before.ledger)
+                         : ledgerText(before, !std::isfinite(held.figures.rms)) + "\nnothing was added")
+              << '\n';
     return learned.complete ? kDone : kAnswerIsNo;
   }
   const Recalibration& last = *learned.last;
@@ -99,7 +97,7 @@ void takeGiven(ChangeOptions& c) {
   }
 }
 
-int runChange(ChangeOptions& c, ModelChange change) {
+int runChange(ChangeOptions& c) {
   takeGiven(c);
   c.files.input(c.bags.paths);
   c.files.calibration(c.calibration);
@@ -116,57 +114,50 @@ int runChange(ChangeOptions& c, ModelChange change) {
   c.files.checkSession({sessionHash(session)}, steps);
   if (c.all) return runAll(c, session, before, options);
   Recalibration done =
-      withBar("refitting", options, [&] { return change(session, before, effect, options); });
+      withBar("refitting", options, [&] { return c.change(session, before, effect, options); });
   const int status = verdictOf(done.result);
   if (!c.output.empty()) c.files.write(c.output, done.calibration);
   print(c, done);
   return status;
 }
 
-/// @param command the subcommand, without options yet. @param all whether --all goes the whole way: diagnose
+/// @param all whether --all goes the whole way: diagnose
 /// and add until nothing is missing.
-void declareChange(CLI::App& command, ModelChange change, bool all, const std::string& example,
-                   int& exitStatus) {
-  auto c = std::make_shared<ChangeOptions>();
+void declareChange(CLI::App& app, int& exitStatus, ModelChange change, bool all, const std::string& name,
+                   const std::string& description, const std::string& example) {
+  auto [c, command] = addCommand<ChangeOptions>(app, exitStatus, runChange, name, description);
+  c.change = change;
   command
-      .add_option("bag", c->given,
+      .add_option("bag", c.given,
                   std::string("the session, or several to evaluate together, then the effect as YAML: {type: "
                               "backlash, axis: x}") +
                       (all ? "; no effect with --all" : ""))
       ->required();
-  command.add_option("--calibration", c->calibration, "the calibration file")->required();
-  command.add_option("-o,--output", c->output, "the new calibration file");
-  command.add_flag("--json", c->json, "print the result as JSON on standard output");
+  command.add_option("--calibration", c.calibration, "the calibration file")->required();
+  command.add_option("-o,--output", c.output, "the new calibration file");
+  command.add_flag("--json", c.json, "print the result as JSON on standard output");
   if (all) {
-    command.add_flag("--all", c->all, "diagnose and add missing effects one by one until none is missing");
-    command.add_option("--most", c->most, "largest number of steps of --all")
-        ->capture_default_str()
-        ->check(wholeNumberWithin(1, 100));
+    command.add_flag("--all", c.all, "diagnose and add missing effects one by one until none is missing");
+    standardOption(command, "--most", c.most, wholeNumberWithin(1, 100), "largest number of steps of --all");
   }
-  c->files.declare(command);
-  c->fit.declare(command, all);
+  c.files.declare(command);
+  c.fit.declare(command, all);
   command.footer("Example:\n  " + example);
-  command.callback([c, change, &exitStatus] { exitStatus = runChange(*c, change); });
 }
 
 }  // namespace
 
 void addAddCommand(CLI::App& app, int& exitStatus) {
-  declareChange(
-      *app.add_subcommand("add",
-                          "Add an effect to the model, refit everything and record the result in the ledger"),
-      addEffect, true,
-      "mm add plate.bag --calibration plate.yaml '{type: backlash, axis: x}' -o plate2.yaml\n"
-      "  mm add plate.bag --calibration plate.yaml --all -o plate9.yaml",
-      exitStatus);
+  declareChange(app, exitStatus, addEffect, true, "add",
+                "Add an effect to the model, refit everything and record the result in the ledger",
+                "mm add plate.bag --calibration plate.yaml '{type: backlash, axis: x}' -o plate2.yaml\n"
+                "  mm add plate.bag --calibration plate.yaml --all -o plate9.yaml");
 }
 
 void addRemoveCommand(CLI::App& app, int& exitStatus) {
-  declareChange(
-      *app.add_subcommand(
-          "remove", "Remove an effect from the model, refit everything and record the result in the ledger"),
-      removeEffect, false,
-      "mm remove plate.bag --calibration plate2.yaml '{type: backlash, axis: x}' -o plate3.yaml", exitStatus);
+  declareChange(app, exitStatus, removeEffect, false, "remove",
+                "Remove an effect from the model, refit everything and record the result in the ledger",
+                "mm remove plate.bag --calibration plate2.yaml '{type: backlash, axis: x}' -o plate3.yaml");
 }
 
 }  // namespace mm

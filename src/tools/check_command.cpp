@@ -1,6 +1,4 @@
-#include <CLI/CLI.hpp>
 #include <iostream>
-#include <memory>
 #include <optional>
 
 #include "design/point_set.h"
@@ -29,18 +27,16 @@ int runCheck(const CheckCommand& c) {
 }  // namespace
 
 void addCheckCommand(CLI::App& app, int& exitStatus) {
-  auto c = std::make_shared<CheckCommand>();
-  CLI::App* command = app.add_subcommand("check", "Check coverage and identifiability before fitting");
-  c->bags.declare(*command);
-  command->add_option("--model", c->model,
-                      "model file: also report which of its parameters can be determined");
-  declareNamespace(*command, c->space);
-  command->add_flag("--json", c->json, "print the result as JSON on standard output");
-  command->footer(
+  auto [c, command] = addCommand<CheckCommand>(app, exitStatus, runCheck, "check",
+                                               "Check coverage and identifiability before fitting");
+  c.bags.declare(command);
+  command.add_option("--model", c.model, "model file: also report which of its parameters can be determined");
+  declareNamespace(command, c.space);
+  command.add_flag("--json", c.json, "print the result as JSON on standard output");
+  command.footer(
       "Exit status 1: the session does not determine a parameter of the model that no convention fixes.\n"
       "Example:\n"
       "  mm check plate.bag --model model.yaml");
-  command->callback([c, &exitStatus] { exitStatus = runCheck(*c); });
 }
 
 }  // namespace mm

@@ -1,14 +1,31 @@
 #pragma once
-
-namespace CLI {
-class App;
-}
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <utility>
 
 namespace mm {
 
 // One function a subcommand of `mm`, each in a file of its own: it declares the options and, when the
 // subcommand is the one that was typed, does the work from the callback of CLI11. Bad input is thrown
 // (InputError, NumericalError); a result whose answer is no sets `exitStatus` to 1.
+
+/// Adds a subcommand, and what it is given. When it is typed, `run` does its work; what that returns, if
+/// anything, is the exit status.
+template <typename Given, typename Run>
+std::pair<Given&, CLI::App&> addCommand(CLI::App& app, int& exitStatus, const Run& run,
+                                        const std::string& name, const std::string& description) {
+  const auto given = std::make_shared<Given>();
+  CLI::App& command = *app.add_subcommand(name, description);
+  command.callback([given, run, &exitStatus] {
+    if constexpr (std::is_void_v<decltype(run(*given))>)
+      run(*given);
+    else
+      exitStatus = run(*given);
+  });
+  return {*given, command};
+}
 
 /// Each adds its subcommand, which sets `exitStatus` and throws mm::Error for bad input.
 void addImportCommand(CLI::App& app, int& exitStatus);
@@ -33,7 +50,7 @@ void addPromoteCommand(CLI::App& app, int& exitStatus);
 void addRollbackCommand(CLI::App& app, int& exitStatus);
 void addMachineCommand(CLI::App& app, int& exitStatus);
 void addPlanCommand(CLI::App& app, int& exitStatus);
-void addPlanVerifyCommand(CLI::App& plan);  ///< of `plan`
+void addPlanVerifyCommand(CLI::App& plan, int& exitStatus);  ///< of `plan`
 void addCompletionCommand(CLI::App& app, int& exitStatus);
 void addManualCommand(CLI::App& app, int& exitStatus);
 void addEffectsCommand(CLI::App& app, int& exitStatus);

@@ -1,6 +1,4 @@
-#include <CLI/CLI.hpp>
 #include <iostream>
-#include <memory>
 
 #include "calibration_file/calibration_yaml.h"
 #include "design/session_doubts.h"
@@ -21,27 +19,23 @@ void runCompare(const SessionAndCalibration& c) {
   const Comparison compared =
       withBar("comparing", options, [&] { return compareWith(session, calibration, options); });
   warn(repeatabilityDoubts(compared.fit));
-  if (c.json)
-    std::cout << compareJson(compared.fit, compared.where) << '\n';
-  else
-    std::cout << compareText(compared.fit, compared.where);
+  std::cout << (c.json ? compareJson(compared.fit, compared.where) + "\n"
+                       : compareText(compared.fit, compared.where));
 }
 
 }  // namespace
 
-void addCompareCommand(CLI::App& app, int& /*exitStatus*/) {
-  auto c = std::make_shared<SessionAndCalibration>();
-  CLI::App* command =
-      app.add_subcommand("compare", "Compare a calibration with a session and show where it fails");
-  c->declare(*command, "the session, or several to evaluate together");
-  c->fit.declare(*command, false);
-  command->footer(
+void addCompareCommand(CLI::App& app, int& exitStatus) {
+  auto [c, command] = addCommand<SessionAndCalibration>(
+      app, exitStatus, runCompare, "compare", "Compare a calibration with a session and show where it fails");
+  c.declare(command, "the session, or several to evaluate together");
+  c.fit.declare(command, false);
+  command.footer(
       "The parameters of the calibration are held; only those of the session (pose of the artifact, free "
       "centres,\n"
       "zeros of setups) are fitted.\n"
       "Example:\n"
       "  mm compare plate.bag --calibration plate.yaml");
-  command->callback([c] { runCompare(*c); });
 }
 
 }  // namespace mm

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/nearest_name.h"
+#include "base/text.h"
 #include "base/version.h"
 #include "tools/command_line.h"
 #include "tools/commands.h"
@@ -31,8 +32,7 @@ void addManualCommand(CLI::App& app, int& /*exitStatus*/) {
   command->footer("Installed with the package. Without installing it:\n  mm manual calibrate | man -l -");
   command->callback([&app, name, list] {
     const std::vector<Command> commands = commandsOf(app);
-    std::string wanted;
-    for (const std::string& word : *name) wanted += (wanted.empty() ? "" : " ") + word;
+    const std::string wanted = joined(*name, " ");
     std::vector<std::string> known;
     for (const Command& c : commands) {
       known.push_back(c.name);

@@ -1,6 +1,4 @@
-#include <CLI/CLI.hpp>
 #include <iostream>
-#include <memory>
 
 #include "calibration_file/calibration_yaml.h"
 #include "design/moves.h"
@@ -26,7 +24,7 @@ void runDiagnose(DiagnoseCommand& c) {
   c.files.input(c.calibration);
   c.files.output("--moves", c.moves, FileKind::kMoves);
   c.files.check();
-  DiagnoseOptions options = c.fit.checkedForDiagnosis();
+  DiagnoseOptions options = diagnosing(c.fit.checked());
   const Calibration calibration = loadCalibration(c.calibration);
   const Session session = loadSession(c.bags.joined(), calibration, c.fit.space);
   askFirst(session);
@@ -39,24 +37,21 @@ void runDiagnose(DiagnoseCommand& c) {
     std::cerr << (plan.empty() ? "no moves are proposed: " + c.moves + " is not written\n"
                                : "moves written to " + c.moves + "\n");
   }
-  if (c.json)
-    std::cout << diagnoseJson(diagnosis) << '\n';
-  else
-    std::cout << diagnoseText(diagnosis, c.bags.joined(), c.calibration);
+  std::cout << (c.json ? diagnoseJson(diagnosis) + "\n"
+                       : diagnoseText(diagnosis, c.bags.joined(), c.calibration));
 }
 
 }  // namespace
 
-void addDiagnoseCommand(CLI::App& app, int& /*exitStatus*/) {
-  auto c = std::make_shared<DiagnoseCommand>();
-  CLI::App* command = app.add_subcommand("diagnose", "Find the physical effect that the model lacks");
-  c->declare(*command, "the session, or several to evaluate together");
-  command->add_option("--moves", c->moves,
-                      "write the proposed moves as a plan for mm simulate and the node measure");
-  c->files.declare(*command);
-  c->fit.declare(*command, true);
-  command->footer("Example:\n  mm diagnose plate.bag --calibration plate.yaml");
-  command->callback([c] { runDiagnose(*c); });
+void addDiagnoseCommand(CLI::App& app, int& exitStatus) {
+  auto [c, command] = addCommand<DiagnoseCommand>(app, exitStatus, runDiagnose, "diagnose",
+                                                  "Find the physical effect that the model lacks");
+  c.declare(command, "the session, or several to evaluate together");
+  command.add_option("--moves", c.moves,
+                     "write the proposed moves as a plan for mm simulate and the node measure");
+  c.files.declare(command);
+  c.fit.declare(command, true);
+  command.footer("Example:\n  mm diagnose plate.bag --calibration plate.yaml");
 }
 
 }  // namespace mm

@@ -1,13 +1,11 @@
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
-#include <memory>
 
 #include "base/error.h"
+#include "base/json_text.h"
 #include "base/nearest_name.h"
 #include "effects/catalogue.h"
 #include "tools/commands.h"
-#include "tools/json_output.h"
 
 namespace mm {
 namespace {
@@ -88,7 +86,10 @@ void runEffects(const EffectsOptions& options) {
       throw InputError("'" + options.type + "' is not an effect of the catalogue" +
                        didYouMean(options.type, known) + " (mm effects lists them)");
   }
-  if (options.json) return printJson(std::cout, {{"effects", jsonList(entries, entryJson)}});
+  if (options.json) {
+    std::cout << jsonText({{"effects", jsonList(entries, entryJson)}}) << '\n';
+    return;
+  }
   for (std::size_t i = 0; i < entries.size(); ++i) {
     if (i > 0) std::cout << '\n';
     print(entries[i]);
@@ -101,18 +102,17 @@ void runEffects(const EffectsOptions& options) {
 
 }  // namespace
 
-void addEffectsCommand(CLI::App& app, int& /*exitStatus*/) {
-  auto options = std::make_shared<EffectsOptions>();
-  CLI::App* command = app.add_subcommand("effects", "List the catalogue of physical effects and their keys");
-  command->add_option("type", options->type, "show only this effect, e.g. backlash");
-  command->add_flag("--json", options->json, "print as JSON on standard output");
-  command->footer(
+void addEffectsCommand(CLI::App& app, int& exitStatus) {
+  auto [options, command] = addCommand<EffectsOptions>(
+      app, exitStatus, runEffects, "effects", "List the catalogue of physical effects and their keys");
+  command.add_option("type", options.type, "show only this effect, e.g. backlash");
+  command.add_flag("--json", options.json, "print as JSON on standard output");
+  command.footer(
       "Effects of your own packages are included. Defaults stand in [ ]. Any effect also takes from_session: "
       "N\n"
       "(acts from the N-th of several sessions on) and stylus: NAME (acts with this stylus only).\n"
       "Example:\n"
       "  mm effects thermal_growth");
-  command->callback([options] { runEffects(*options); });
 }
 
 }  // namespace mm

@@ -1,8 +1,7 @@
-#include <CLI/CLI.hpp>
 #include <iostream>
-#include <memory>
 
 #include "base/error.h"
+#include "base/json_text.h"
 #include "base/nearest_name.h"
 #include "base/text.h"
 #include "base/units.h"
@@ -13,7 +12,6 @@
 #include "tools/bounds.h"
 #include "tools/commands.h"
 #include "tools/exit_status.h"
-#include "tools/json_output.h"
 #include "tools/one_line.h"
 #include "tools/output_files.h"
 #include "tools/progress_bar.h"
@@ -68,7 +66,7 @@ int runExport(ExportCommand& c) {
   }
   c.files.write(c.folder, exportFolderOf(calibration, target, needed, exported, judged));
   if (c.json) {
-    printJson(std::cout, representabilityJson(judged));
+    std::cout << jsonText(representabilityJson(judged)) << '\n';
   } else {
     std::cout << representabilityText(judged) << "\nwritten to " << c.folder << ": ";
     std::vector<std::string> names;
@@ -85,33 +83,24 @@ int runExport(ExportCommand& c) {
 }  // namespace
 
 void addExportCommand(CLI::App& app, int& exitStatus) {
-  auto c = std::make_shared<ExportCommand>();
-  CLI::App* command =
-      app.add_subcommand("export", "Export a calibration as compensation tables of a controller");
-  command->add_option("calibration", c->calibration, "the calibration file")->required();
-  command->add_option("--to", c->target, "the controller: " + joined(exportTargetNames(), ", "))->required();
-  command->add_option("-o,--output", c->folder, "the folder to write")->required();
-  command
-      ->add_option(
-          "--axis", c->axes,
-          "JOINT=LETTER: controller axis of a joint [by its name, else by its direction]; repeatable")
-      ->take_all()
-      ->allow_extra_args(false);
-  command
-      ->add_option("--detection-unit-um", c->detectionUnit, "fanuc: detection unit of pitch error data, um")
-      ->check(numberWithin(0.01, 10.0, "um"))
-      ->capture_default_str();
-  command
-      ->add_option(
-          "--rapid-mm-min", c->rapidRate,
-          "fanuc: rapid traverse rate, which sets the least interval of pitch error data [the velocity limit "
-          "of each joint]")
-      ->check(numberWithin(1.0, 1e6, "mm/min"));
-  command->add_flag("--tables-alone", c->tablesAlone,
-                    "linuxcnc: write no external offsets (without the HAL component)");
-  command->add_flag("--json", c->json, "print representability.json");
-  c->files.declare(*command);
-  command->footer(
+  auto [c, command] = addCommand<ExportCommand>(
+      app, exitStatus, runExport, "export", "Export a calibration as compensation tables of a controller");
+  command.add_option("calibration", c.calibration, "the calibration file")->required();
+  command.add_option("--to", c.target, "the controller: " + joined(exportTargetNames(), ", "))->required();
+  command.add_option("-o,--output", c.folder, "the folder to write")->required();
+  repeatedOption(command, "--axis", c.axes,
+                 "JOINT=LETTER: controller axis of a joint [by its name, else by its direction]; repeatable");
+  standardOption(command, "--detection-unit-um", c.detectionUnit, numberWithin(0.01, 10.0, "um"),
+                 "fanuc: detection unit of pitch error data, um");
+  checkedOption(
+      command, "--rapid-mm-min", c.rapidRate, numberWithin(1.0, 1e6, "mm/min"),
+      "fanuc: rapid traverse rate, which sets the least interval of pitch error data [the velocity limit "
+      "of each joint]");
+  command.add_flag("--tables-alone", c.tablesAlone,
+                   "linuxcnc: write no external offsets (without the HAL component)");
+  command.add_flag("--json", c.json, "print representability.json");
+  c.files.declare(command);
+  command.footer(
       "Writes the tables, README.md (what to install where, the sign by one move, what was checked, what is "
       "open)\n"
       "and representability.json (how far each effect is carried by the controller). The folder is "
@@ -122,7 +111,6 @@ void addExportCommand(CLI::App& app, int& exitStatus) {
       "assumed.\n"
       "Exit status 1: the controller cannot carry any part of this calibration.\n"
       "Example: mm export c.yaml --to linuxcnc -o for_linuxcnc");
-  command->callback([c, &exitStatus] { exitStatus = runExport(*c); });
 }
 
 }  // namespace mm

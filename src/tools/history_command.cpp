@@ -1,19 +1,17 @@
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
-#include <memory>
 
 #include "base/error.h"
 #include "base/format.h"
+#include "base/json_text.h"
 #include "calibration_file/calibration_yaml.h"
 #include "report/json_parts.h"
 #include "report/trend_page.h"
 #include "tools/commands.h"
 #include "tools/file_kind.h"
-#include "tools/json_output.h"
 #include "tools/output_files.h"
 #include "tools/session_input.h"
 #include "tools/store_options.h"
@@ -60,7 +58,8 @@ void printHistory(const HistoryOptions& options) {
   const CalibrationStore store = options.store();
   const auto entries = store.history();
   if (!options.json) return printTable(store, entries);
-  printJson(std::cout, {{"store", store.folder().string()}, {"calibrations", jsonList(entries, storedJson)}});
+  std::cout << jsonText({{"store", store.folder().string()}, {"calibrations", jsonList(entries, storedJson)}})
+            << '\n';
 }
 
 /// An id of the store, "active" or "candidate", or a file.
@@ -116,10 +115,7 @@ void trend(const HistoryOptions& options) {
     left.push_back(again + ": of a session that was calibrated again later");
   for (const std::string& one : left) warn("left out: " + one);
   const std::vector<ParameterTrend> trends = trendsOf(calibrations);
-  if (options.json)
-    std::cout << trendJson(trends, store.folder().string(), left) << '\n';
-  else
-    std::cout << trendText(trends);
+  std::cout << (options.json ? trendJson(trends, store.folder().string(), left) + "\n" : trendText(trends));
   if (options.output.empty()) return;
   if (trends.empty())
     throw InputError("no calibration in " + store.folder().string() + ", so there is no trend to plot");
@@ -140,29 +136,28 @@ void runHistory(HistoryOptions& options) {
 
 }  // namespace
 
-void addHistoryCommand(CLI::App& app, int& /*exitStatus*/) {
-  auto options = std::make_shared<HistoryOptions>();
-  CLI::App* command = app.add_subcommand("history", "List stored calibrations, compare two, or show trends");
-  options->declare(*command);
+void addHistoryCommand(CLI::App& app, int& exitStatus) {
+  auto [options, command] = addCommand<HistoryOptions>(
+      app, exitStatus, runHistory, "history", "List stored calibrations, compare two, or show trends");
+  options.declare(command);
   command
-      ->add_option("--compare", options->compared,
-                   "show what changed significantly between two calibrations (ids, active, candidate or "
-                   "files), or between two sessions with --calibration")
+      .add_option("--compare", options.compared,
+                  "show what changed significantly between two calibrations (ids, active, candidate or "
+                  "files), or between two sessions with --calibration")
       ->expected(2);
-  command->add_option("--calibration", options->calibration,
-                      "calibration under whose model two sessions are compared");
-  command->add_flag("--trend", options->trend,
-                    "show the trend of every parameter over the stored calibrations");
-  command->add_option("-o,--output", options->output, "also write an HTML page with plots (with --trend)");
-  command->add_option("--plotly", options->plotly,
-                      "path of plotly.min.js, if it was not fetched during the build");
-  command->add_flag("--json", options->json, "as JSON");
-  options->files.declare(*command);
-  command->footer(
+  command.add_option("--calibration", options.calibration,
+                     "calibration under whose model two sessions are compared");
+  command.add_flag("--trend", options.trend,
+                   "show the trend of every parameter over the stored calibrations");
+  command.add_option("-o,--output", options.output, "also write an HTML page with plots (with --trend)");
+  command.add_option("--plotly", options.plotly,
+                     "path of plotly.min.js, if it was not fetched during the build");
+  command.add_flag("--json", options.json, "as JSON");
+  options.files.declare(command);
+  command.footer(
       "Examples:\n  mm history --compare march.yaml active\n"
       "  mm history --compare march.bag today.bag --calibration march.yaml\n"
       "  mm history --trend -o trend.html");
-  command->callback([options] { runHistory(*options); });
 }
 
 }  // namespace mm

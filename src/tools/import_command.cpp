@@ -1,17 +1,15 @@
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
-#include <memory>
 #include <optional>
 
 #include "base/cancel_scope.h"
+#include "base/json_text.h"
 #include "import/import_format.h"
 #include "import/import_preview.h"
 #include "interpreters/loaded_compensation.h"
 #include "session/artifact_file.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
-#include "tools/json_output.h"
 #include "tools/one_line.h"
 #include "tools/output_files.h"
 #include "tools/progress_bar.h"
@@ -64,7 +62,7 @@ void runImport(ImportOptions& options) {
     options.files.write(options.output, *read.imported.session, bar.callback(), read.imported.motion);
   }
   if (options.json)
-    printJson(std::cout, previewJson(options.request, read, writes ? options.output : ""));
+    std::cout << jsonText(previewJson(options.request, read, writes ? options.output : "")) << '\n';
   else
     std::cout << previewText(read) << (options.preview ? firstRowsText(read.imported) : "");
   if (!read.faults.empty()) refuse(read.faults);
@@ -82,28 +80,26 @@ std::string formatLines() {
 
 }  // namespace
 
-void addImportCommand(CLI::App& app, int& /*exitStatus*/) {
-  auto options = std::make_shared<ImportOptions>();
-  CLI::App* command =
-      app.add_subcommand("import", "Convert a table of contacts or an instrument's log to a session bag");
-  command->add_option("file", options->request.file, "the measurements: a table, or one of the formats below")
+void addImportCommand(CLI::App& app, int& exitStatus) {
+  auto [options, command] =
+      addCommand<ImportOptions>(app, exitStatus, runImport, "import",
+                                "Convert a table of contacts or an instrument's log to a session bag");
+  command.add_option("file", options.request.file, "the measurements: a table, or one of the formats below")
       ->required();
-  command->add_option("--artifact", options->artifact,
-                      "artifact file, YAML: balls, points and probe (needed for contacts)");
-  command->add_option("--machine", options->machine, "three_axis, five_axis or the path of a URDF")
-      ->required();
-  command->add_option(
-      "--columns", options->request.mapping,
-      "mapping, YAML: meaning, units and signs that the file does not state (docs/import.md)");
-  command->add_option("--format", options->request.format,
-                      "file format, if it is not recognised automatically");
-  command->add_option("-o,--output", options->output, "the session's bag");
-  command->add_flag("--preview", options->preview,
-                    "print how the file is interpreted, with its first rows, and write nothing");
-  command->add_option("--compensation", options->compensation, kCompensationHelp);
-  command->add_flag("--json", options->json, "print how the file was interpreted as JSON on standard output");
-  options->files.declare(*command);
-  command->footer(
+  command.add_option("--artifact", options.artifact,
+                     "artifact file, YAML: balls, points and probe (needed for contacts)");
+  command.add_option("--machine", options.machine, "three_axis, five_axis or the path of a URDF")->required();
+  command.add_option("--columns", options.request.mapping,
+                     "mapping, YAML: meaning, units and signs that the file does not state (docs/import.md)");
+  command.add_option("--format", options.request.format,
+                     "file format, if it is not recognised automatically");
+  command.add_option("-o,--output", options.output, "the session's bag");
+  command.add_flag("--preview", options.preview,
+                   "print how the file is interpreted, with its first rows, and write nothing");
+  command.add_option("--compensation", options.compensation, kCompensationHelp);
+  command.add_flag("--json", options.json, "print how the file was interpreted as JSON on standard output");
+  options.files.declare(command);
+  command.footer(
       "The package's own columns (any order, empty cells are not measured):\n"
       "  time_s                        time (default: the order of the rows)\n"
       "  <joint>_mm, <joint>_deg       readings; a joint without a column stays at 0\n"
@@ -129,7 +125,6 @@ void addImportCommand(CLI::App& app, int& /*exitStatus*/) {
       "  mm import contacts.csv --artifact plate.yaml --machine three_axis -o plate.bag\n"
       "  mm import interferometer_x.csv --machine three_axis -o x.bag\n"
       "  mm import log.txt --columns mapping.yaml --machine three_axis -o log.bag");
-  command->callback([options] { runImport(*options); });
 }
 
 }  // namespace mm

@@ -1,8 +1,6 @@
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
-#include <memory>
 
 #include "base/error.h"
 #include "base/number_text.h"
@@ -98,7 +96,7 @@ std::string modelYaml(const Machine& machine, const std::string& urdf, const std
   return linear.empty() && screws.empty() && !laser ? "machine: " + urdf + "\neffects: []\n" : text;
 }
 
-void runNew(MachineOptions& o) {
+void runNewMachine(MachineOptions& o) {
   o.files.output("-o", o.output, FileKind::kMachine);
   o.files.output("--model", o.model, FileKind::kModel);
   o.files.check();
@@ -127,49 +125,37 @@ void runNew(MachineOptions& o) {
 
 }  // namespace
 
-void addMachineCommand(CLI::App& app, int& /*exitStatus*/) {
-  auto o = std::make_shared<MachineOptions>();
+void addMachineCommand(CLI::App& app, int& exitStatus) {
   CLI::App* machine = app.add_subcommand("machine", "Create a machine description");
   machine->require_subcommand(1);
-  CLI::App* command = machine->add_subcommand(
-      "new", "Create a machine (URDF) and a first model from the travels of its axes");
-  command
-      ->add_option(
-          "--axis", o->axes,
-          "NAME=FROM:TOmm[@X,Y,Z] or NAME=FROM:TOdeg@X,Y,Z: name, travel and positive direction of an axis; "
-          "repeatable")
-      ->required()
-      ->take_all()
-      ->allow_extra_args(false);
-  command
-      ->add_option(
-          "--lead", o->leads,
-          "NAME=LENGTHmm: travel of an axis per turn of its screw; of a rotary axis NAME=ANGLEdeg, per "
-          "turn of its worm; the model then fits the error that repeats with it; repeatable")
-      ->take_all()
-      ->allow_extra_args(false);
-  command->add_option("--probe", o->probe, "the probe")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"touch", "laser"}));
-  command->add_option("--tip-mm", o->tip, "X,Y,Z: position of the tip relative to the last axis")
-      ->capture_default_str();
-  command
-      ->add_option("--speed-mm-s", o->speed,
-                   "maximum speed of linear axes; of rotary axes, ten times this number in mrad/s")
-      ->capture_default_str()
-      ->check(numberWithin(1e-3, 1e4, "mm/s"));
-  command->add_option("-o,--output", o->output, "the URDF to write; the file name is the name of the machine")
+  auto [o, command] =
+      addCommand<MachineOptions>(*machine, exitStatus, runNewMachine, "new",
+                                 "Create a machine (URDF) and a first model from the travels of its axes");
+  repeatedOption(
+      command, "--axis", o.axes,
+      "NAME=FROM:TOmm[@X,Y,Z] or NAME=FROM:TOdeg@X,Y,Z: name, travel and positive direction of an axis; "
+      "repeatable")
       ->required();
-  command->add_option("--model", o->model, "also write a first model, YAML");
-  o->files.declare(*command);
-  command->footer(
+  repeatedOption(
+      command, "--lead", o.leads,
+      "NAME=LENGTHmm: travel of an axis per turn of its screw; of a rotary axis NAME=ANGLEdeg, per "
+      "turn of its worm; the model then fits the error that repeats with it; repeatable");
+  standardOption(command, "--probe", o.probe, CLI::IsMember({"touch", "laser"}), "the probe");
+  command.add_option("--tip-mm", o.tip, "X,Y,Z: position of the tip relative to the last axis")
+      ->capture_default_str();
+  standardOption(command, "--speed-mm-s", o.speed, numberWithin(1e-3, 1e4, "mm/s"),
+                 "maximum speed of linear axes; of rotary axes, ten times this number in mrad/s");
+  command.add_option("-o,--output", o.output, "the URDF to write; the file name is the name of the machine")
+      ->required();
+  command.add_option("--model", o.model, "also write a first model, YAML");
+  o.files.declare(command);
+  command.footer(
       "Give the axes in order from the workpiece to the probe. An axis that moves the table towards + has "
       "the\n"
       "direction -: relative to the workpiece, the probe moves towards -.\n"
       "Example:\n"
       "  mm machine new --axis x=0:300mm@-1,0,0 --axis y=0:200mm --axis z=-100:0mm --tip-mm 0,0,-60 \\\n"
       "     -o mill.urdf --model mill.yaml");
-  command->callback([o] { runNew(*o); });
 }
 
 }  // namespace mm

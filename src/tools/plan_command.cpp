@@ -1,9 +1,7 @@
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
-#include <memory>
 #include <sstream>
 
 #include "base/error.h"
@@ -156,7 +154,7 @@ std::string testsText() {
   return text;
 }
 
-void runNew(PlanOptions& o) {
+void runNewPlan(PlanOptions& o) {
   const PlanTestSize& size = o.size;
   if (o.test.empty() && size.positions > 0) o.test = "positioning";
   const int kinds = (o.artifact.empty() ? 0 : 1) + (o.balls.empty() ? 0 : 1) + (o.test.empty() ? 0 : 1);
@@ -185,61 +183,45 @@ void runNew(PlanOptions& o) {
 
 }  // namespace
 
-void addPlanCommand(CLI::App& app, int& /*exitStatus*/) {
-  auto o = std::make_shared<PlanOptions>();
+void addPlanCommand(CLI::App& app, int& exitStatus) {
   CLI::App* plan =
       app.add_subcommand("plan", "Create a measurement plan, for calibration or for verification");
   plan->require_subcommand(1);
-  addPlanVerifyCommand(*plan);
-  CLI::App* command = plan->add_subcommand(
-      "new",
+  addPlanVerifyCommand(*plan, exitStatus);
+  auto [o, command] = addCommand<PlanOptions>(
+      *plan, exitStatus, runNewPlan, "new",
       "Create a measurement plan for a machine: touch an artifact, or read the axes with an instrument");
-  command->add_option("--machine", o->machine, "three_axis, five_axis or the path of a URDF")->required();
-  command->add_option("--artifact", o->artifact,
-                      "artifact file, YAML: the artifact to touch and its position in the workpiece frame");
-  command->add_option("--balls", o->balls,
-                      "<columns>x<rows>: touch a ball plate that fills the travels, e.g. 3x3");
-  command->add_option("--ball-radius-mm", o->radius, "of --balls")
-      ->capture_default_str()
-      ->check(numberWithin(0.1, 500.0, "mm"));
-  command->add_option("--tip-radius-mm", o->tip, "of --balls")
-      ->capture_default_str()
-      ->check(numberWithin(0.01, 50.0, "mm"));
-  command
-      ->add_option("--repeatability-um", o->repeatability,
-                   "repeatability of the probe, with --balls; 0: not stated")
-      ->capture_default_str()
-      ->check(numberWithin(0.0, 1e4, "um"));
-  command->add_option("--points", o->points, "contacts on each ball")
-      ->capture_default_str()
-      ->check(wholeNumberWithin(4, 10000));
-  command->add_option("--cone-deg", o->cone, "largest angle of a contact from the top of the ball")
-      ->capture_default_str()
-      ->check(numberWithin(10.0, 120.0, "deg"));
-  command
-      ->add_option("--test", o->test,
-                   "measure a test of a standard with an independent instrument; see below what each needs")
-      ->check(CLI::IsMember(allNames(planTests())));
-  command
-      ->add_option("--positions", o->size.positions,
-                   "of --test: targets of each axis or line, points of a circle; alone: --test positioning")
-      ->check(wholeNumberWithin(2, 1000));
-  command->add_option("--runs", o->size.runs, "of --test: how often they are measured")
-      ->check(wholeNumberWithin(1, 100));
-  command->add_option("--hours", o->size.hours, "of --test: how long the machine is loaded, or watched")
-      ->check(numberWithin(0.01, 1000.0, "h"));
-  command->add_option("--every-min", o->size.everyMin, "of --test: time between readings (default 5)")
-      ->check(numberWithin(0.1, 600.0, "min"));
-  command->add_option("-o,--output", o->output, "the plan")->required();
-  o->files.declare(*command);
-  command->footer(
+  command.add_option("--machine", o.machine, "three_axis, five_axis or the path of a URDF")->required();
+  command.add_option("--artifact", o.artifact,
+                     "artifact file, YAML: the artifact to touch and its position in the workpiece frame");
+  command.add_option("--balls", o.balls,
+                     "<columns>x<rows>: touch a ball plate that fills the travels, e.g. 3x3");
+  standardOption(command, "--ball-radius-mm", o.radius, numberWithin(0.1, 500.0, "mm"), "of --balls");
+  standardOption(command, "--tip-radius-mm", o.tip, numberWithin(0.01, 50.0, "mm"), "of --balls");
+  standardOption(command, "--repeatability-um", o.repeatability, numberWithin(0.0, 1e4, "um"),
+                 "repeatability of the probe, with --balls; 0: not stated");
+  standardOption(command, "--points", o.points, wholeNumberWithin(4, 10000), "contacts on each ball");
+  standardOption(command, "--cone-deg", o.cone, numberWithin(10.0, 120.0, "deg"),
+                 "largest angle of a contact from the top of the ball");
+  checkedOption(command, "--test", o.test, CLI::IsMember(allNames(planTests())),
+                "measure a test of a standard with an independent instrument; see below what each needs");
+  checkedOption(command, "--positions", o.size.positions, wholeNumberWithin(2, 1000),
+                "of --test: targets of each axis or line, points of a circle; alone: --test positioning");
+  checkedOption(command, "--runs", o.size.runs, wholeNumberWithin(1, 100),
+                "of --test: how often they are measured");
+  checkedOption(command, "--hours", o.size.hours, numberWithin(0.01, 1000.0, "h"),
+                "of --test: how long the machine is loaded, or watched");
+  checkedOption(command, "--every-min", o.size.everyMin, numberWithin(0.1, 600.0, "min"),
+                "of --test: time between readings (default 5)");
+  command.add_option("-o,--output", o.output, "the plan")->required();
+  o.files.declare(command);
+  command.footer(
       "Edit the plan as needed. Try it with mm simulate; run one that touches with the node measure.\n" +
       testsText() +
       "Examples:\n"
       "  mm plan new --machine mill.urdf --balls 3x3 --points 30 -o mill_plan.yaml\n"
       "  mm plan new --machine mill.urdf --positions 11 -o mill_axes.yaml\n"
       "  mm plan new --machine mill.urdf --test diagonal -o mill_diagonals.yaml");
-  command->callback([o] { runNew(*o); });
 }
 
 }  // namespace mm

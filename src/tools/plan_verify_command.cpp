@@ -1,7 +1,5 @@
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
-#include <memory>
 #include <random>
 
 #include "base/error.h"
@@ -90,44 +88,37 @@ void runPlanVerify(PlanVerifyOptions& o) {
 
 }  // namespace
 
-void addPlanVerifyCommand(CLI::App& plan) {
-  auto o = std::make_shared<PlanVerifyOptions>();
-  CLI::App* command = plan.add_subcommand(
-      "verify", "Select about ten places of a plan that best show whether a correction helps, for mm verify");
-  command->add_option("plan", o->plan, "the plan to select moves from, YAML")->required();
-  command->add_option("--calibration", o->calibration, "the calibration to verify")->required();
-  command
-      ->add_option("--places", o->size.places,
-                   "number of places: balls, postures at one ball, or positions of an instrument")
-      ->capture_default_str()
-      ->check(wholeNumberWithin(1, 1000));
-  command->add_option("--touches", o->size.touches, "measurements of each place")
-      ->capture_default_str()
-      ->check(wholeNumberWithin(1, 1000));
-  command->add_option("-o,--output", o->output, "the plan to write")->required();
-  command->add_flag(
-      "--blind", o->blind,
-      "repeat the places in blocks, with the correction on in a random half of them; the key is "
-      "written beside the plan");
-  o->blocks = command->add_option("--blocks", o->trial.blocks, "number of blocks of a blind trial, even")
-                  ->capture_default_str()
-                  ->check(wholeNumberWithin(kFewestBlocks, kMostBlocks));
-  o->seed =
-      command->add_option("--seed", o->trial.seed, "seed of the draws of a blind trial; random by default")
-          ->check(anySeed());
-  command->add_option("--switch-on", o->switchOn,
-                      "command of the controller that switches the correction on; written to a file of its "
-                      "state, A or B");
-  command->add_option("--switch-off", o->switchOff, "command that switches it off");
-  o->files.declare(*command);
-  command->footer(
+void addPlanVerifyCommand(CLI::App& plan, int& exitStatus) {
+  auto [o, command] = addCommand<PlanVerifyOptions>(
+      plan, exitStatus, runPlanVerify, "verify",
+      "Select about ten places of a plan that best show whether a correction helps, for mm verify");
+  command.add_option("plan", o.plan, "the plan to select moves from, YAML")->required();
+  command.add_option("--calibration", o.calibration, "the calibration to verify")->required();
+  standardOption(command, "--places", o.size.places, wholeNumberWithin(1, 1000),
+                 "number of places: balls, postures at one ball, or positions of an instrument");
+  standardOption(command, "--touches", o.size.touches, wholeNumberWithin(1, 1000),
+                 "measurements of each place");
+  command.add_option("-o,--output", o.output, "the plan to write")->required();
+  command.add_flag("--blind", o.blind,
+                   "repeat the places in blocks, with the correction on in a random half of them; the key is "
+                   "written beside the plan");
+  o.blocks =
+      standardOption(command, "--blocks", o.trial.blocks, wholeNumberWithin(kFewestBlocks, kMostBlocks),
+                     "number of blocks of a blind trial, even");
+  o.seed = checkedOption(command, "--seed", o.trial.seed, anySeed(),
+                         "seed of the draws of a blind trial; random by default");
+  command.add_option("--switch-on", o.switchOn,
+                     "command of the controller that switches the correction on; written to a file of its "
+                     "state, A or B");
+  command.add_option("--switch-off", o.switchOff, "command that switches it off");
+  o.files.declare(command);
+  command.footer(
       "Selects the moves that best show whether each axis is corrected, with which sign and from which "
       "table,\n"
       "and what has changed since the calibration.\n"
       "Example:\n"
       "  mm plan verify plate_plan.yaml --calibration plate.yaml -o verify_plan.yaml\n"
       "  mm plan verify plate_plan.yaml --calibration plate.yaml --blind -o trial.yaml");
-  command->callback([o] { runPlanVerify(*o); });
 }
 
 }  // namespace mm

@@ -1,6 +1,4 @@
-#include <CLI/CLI.hpp>
 #include <iostream>
-#include <memory>
 #include <optional>
 
 #include "calibration_file/calibration_yaml.h"
@@ -9,6 +7,7 @@
 #include "tools/output_files.h"
 #include "tools/progress_bar.h"
 #include "tools/session_input.h"
+#include "workflow/learning.h"
 #include "workflow/recalibration.h"
 
 namespace mm {
@@ -31,7 +30,7 @@ void runReport(ReportCommand& c) {
   c.files.check();
   const ReportFiles files = loadReportFiles(c.plotly);
   ReportOptions options;
-  options.diagnose = c.fit.checkedForDiagnosis();
+  options.diagnose = diagnosing(c.fit.checked());
   options.sessionPath = c.bags.joined();
   options.calibrationPath = c.calibration;
   options.serial = c.serial;
@@ -54,27 +53,25 @@ void runReport(ReportCommand& c) {
 
 }  // namespace
 
-void addReportCommand(CLI::App& app, int& /*exitStatus*/) {
-  auto c = std::make_shared<ReportCommand>();
-  CLI::App* command = app.add_subcommand(
-      "report", "Write a self-contained HTML report of a session, with its calibration or without");
-  c->bags.declare(*command);
-  command->add_option("--calibration", c->calibration,
-                      "the calibration file; without it, the tests of the standards on the machine as it is");
-  command->add_option("-o,--output", c->output, "the page")->capture_default_str();
-  command
-      ->add_option("--curve", c->curves, "CSV of mm calibrate --curve; two curves are plotted side by side")
+void addReportCommand(CLI::App& app, int& exitStatus) {
+  auto [c, command] = addCommand<ReportCommand>(
+      app, exitStatus, runReport, "report",
+      "Write a self-contained HTML report of a session, with its calibration or without");
+  c.bags.declare(command);
+  command.add_option("--calibration", c.calibration,
+                     "the calibration file; without it, the tests of the standards on the machine as it is");
+  command.add_option("-o,--output", c.output, "the page")->capture_default_str();
+  command.add_option("--curve", c.curves, "CSV of mm calibrate --curve; two curves are plotted side by side")
       ->expected(1, 2);
-  command->add_option("--serial", c->serial, "serial number of the machine, for the page header");
-  command->add_option("--operator", c->operatorName, "name of the operator, for the page header");
-  command->add_option("--plotly", c->plotly, "path of plotly.min.js, if it was not fetched during the build");
-  c->files.declare(*command);
-  c->fit.declare(*command, true);
-  command->footer(
+  command.add_option("--serial", c.serial, "serial number of the machine, for the page header");
+  command.add_option("--operator", c.operatorName, "name of the operator, for the page header");
+  command.add_option("--plotly", c.plotly, "path of plotly.min.js, if it was not fetched during the build");
+  c.files.declare(command);
+  c.fit.declare(command, true);
+  command.footer(
       "The page needs no network connection.\n"
       "Example:\n"
       "  mm report plate.bag --calibration plate.yaml -o report.html");
-  command->callback([c] { runReport(*c); });
 }
 
 }  // namespace mm

@@ -1,18 +1,16 @@
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
 #include <map>
-#include <memory>
 #include <optional>
 
 #include "base/error.h"
+#include "base/json_text.h"
 #include "estimation/genetic_subset.h"
 #include "thermal/sensor_selection.h"
 #include "tools/bounds.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
-#include "tools/json_output.h"
 #include "tools/output_files.h"
 #include "tools/progress_bar.h"
 #include "tools/sensors_picture.h"
@@ -122,8 +120,8 @@ Json selectionJson(const SensorSelection& selection, const SensorCandidates& can
           {"left_out", names(selection.constant)}};
 }
 
-std::string joined(const std::vector<int>& sensors, const SensorCandidates& candidates,
-                   const char* separator = " + ") {
+std::string sensorNames(const std::vector<int>& sensors, const SensorCandidates& candidates,
+                        const char* separator = " + ") {
   std::string text;
   for (int s : sensors)
     text += (text.empty() ? "" : separator) + candidates.names[static_cast<std::size_t>(s)];
@@ -133,7 +131,7 @@ std::string joined(const std::vector<int>& sensors, const SensorCandidates& cand
 void printText(const SensorSelection& selection, const SensorCandidates& candidates,
                const std::string& target) {
   const SensorSet& best = selection.sets[selection.recommended];
-  std::printf("Measure %s: held-out error of %s %.3g um.\n\n", joined(best.sensors, candidates).c_str(),
+  std::printf("Measure %s: held-out error of %s %.3g um.\n\n", sensorNames(best.sensors, candidates).c_str(),
               target.c_str(), best.heldOutRms * candidates.micrometres);
   std::printf("%-28s %12s %12s\n", "single sensor", "information", "correlation");
   const std::size_t shown = std::min<std::size_t>(10, selection.singles.size());
@@ -149,14 +147,14 @@ void printText(const SensorSelection& selection, const SensorCandidates& candida
     const SensorSet& set = selection.sets[m];
     const std::string bar(static_cast<std::size_t>(std::max(0.0, 20.0 * set.information / most)), '#');
     std::printf("%-4zu %8.3f nat %-22s %9.3g um  %s%s%s\n", m + 1, set.information, bar.c_str(),
-                set.heldOutRms * candidates.micrometres, joined(set.sensors, candidates).c_str(),
+                set.heldOutRms * candidates.micrometres, sensorNames(set.sensors, candidates).c_str(),
                 m == selection.recommended ? "  <- recommended" : "",
                 selection.exhaustive[m] ? "" : "  (searched)");
   }
   for (const auto& [sensor, others] : selection.equivalent)
     std::printf("%s drifts together with these, which would do as well: %s\n",
                 candidates.names[static_cast<std::size_t>(sensor)].c_str(),
-                joined(others, candidates, ", ").c_str());
+                sensorNames(others, candidates, ", ").c_str());
   std::fflush(stdout);
 }
 
@@ -190,83 +188,65 @@ void runSensors(SensorsOptions& options) {
     options.files.write(options.picture, sensorsPicture(selection, candidates.names, positions,
                                                         options.target, candidates.micrometres));
   if (options.json)
-    printJson(std::cout, selectionJson(selection, candidates));
+    std::cout << jsonText(selectionJson(selection, candidates)) << '\n';
   else
     printText(selection, candidates, options.target);
 }
 
 }  // namespace
 
-void addSensorsCommand(CLI::App& app, int& /*exitStatus*/) {
-  auto options = std::make_shared<SensorsOptions>();
-  CLI::App* command =
-      app.add_subcommand("sensors", "Select the temperature sensors that best predict a displacement");
+void addSensorsCommand(CLI::App& app, int& exitStatus) {
+  auto [options, command] =
+      addCommand<SensorsOptions>(app, exitStatus, runSensors, "sensors",
+                                 "Select the temperature sensors that best predict a displacement");
   command
-      ->add_option(
-          "series", options->csv,
+      .add_option(
+          "series", options.csv,
           "CSV with a header and one sample per row in order of time; a session bag; or the .dat file of a "
           "CalculiX run")
       ->required();
   command
-      ->add_option("--target", options->target,
-                   "displacement: of a CSV the column (its suffix _um, _mm or _m gives the unit), of a bag "
-                   "the axis, of a CalculiX run node set, direction and length unit, e.g. NOSE_x_m")
+      .add_option("--target", options.target,
+                  "displacement: of a CSV the column (its suffix _um, _mm or _m gives the unit), of a bag "
+                  "the axis, of a CalculiX run node set, direction and length unit, e.g. NOSE_x_m")
       ->required();
-  command->add_option("--max", options->largest, "largest set")
-      ->capture_default_str()
-      ->check(wholeNumberWithin(1, 64));
-  command->add_option("--estimator", options->estimator, "estimator of the mutual information")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"ksg", "histogram", "correlation"}));
-  command
-      ->add_option("--bins", options->bins,
-                   "N,M: number of bins of temperature and of displacement (histogram)")
+  standardOption(command, "--max", options.largest, wholeNumberWithin(1, 64), "largest set");
+  standardOption(command, "--estimator", options.estimator,
+                 CLI::IsMember({"ksg", "histogram", "correlation"}), "estimator of the mutual information");
+  standardOption(command, "--bins", options.bins, wholeNumberWithin(2, 10000),
+                 "N,M: number of bins of temperature and of displacement (histogram)")
       ->delimiter(',')
-      ->expected(2)
-      ->capture_default_str()
-      ->check(wholeNumberWithin(2, 10000));
+      ->expected(2);
+  standardOption(command, "--range", options.range, CLI::IsMember({"common", "sensor"}),
+                 "temperature range of the bins: common to all sensors, or one for each sensor");
+  standardOption(command, "--correction", options.correction,
+                 CLI::IsMember({"none", "miller_madow", "shuffle", "circular_shift"}),
+                 "bias correction of the histogram");
+  checkedOption(
+      command, "--choose", options.choose, CLI::IsMember({"prediction", "held_out", "information"}),
+      "criterion: prediction: error expected for other duty cycles and for held-out blocks of time "
+      "(default for ksg); held_out: information and held-out error; information: information alone, as "
+      "published (default for histogram and correlation)");
+  checkedOption(command, "--accuracy-um", options.accuracyUm, numberWithin(0.0, 1e9, "um"),
+                "recommend the smallest set whose held-out error is within this value");
+  standardOption(command, "--blocks", options.blocks, wholeNumberWithin(2, 1000),
+                 "number of time blocks in the cross-validation");
+  standardOption(command, "--gap", options.gap, wholeNumberWithin(0, 100000),
+                 "number of samples on either side of a block that are not used");
+  seedOption(command, options.seed);
+  declareNamespace(command, options.space);
+  command.add_option("--picture", options.picture,
+                     "write an SVG of sensor positions, and of information and held-out error against the "
+                     "number of sensors");
   command
-      ->add_option("--range", options->range,
-                   "temperature range of the bins: common to all sensors, or one for each sensor")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"common", "sensor"}));
-  command->add_option("--correction", options->correction, "bias correction of the histogram")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"none", "miller_madow", "shuffle", "circular_shift"}));
-  command
-      ->add_option(
-          "--choose", options->choose,
-          "criterion: prediction: error expected for other duty cycles and for held-out blocks of time "
-          "(default for ksg); held_out: information and held-out error; information: information alone, as "
-          "published (default for histogram and correlation)")
-      ->check(CLI::IsMember({"prediction", "held_out", "information"}));
-  command
-      ->add_option("--accuracy-um", options->accuracyUm,
-                   "recommend the smallest set whose held-out error is within this value")
-      ->check(numberWithin(0.0, 1e9, "um"));
-  command->add_option("--blocks", options->blocks, "number of time blocks in the cross-validation")
-      ->capture_default_str()
-      ->check(wholeNumberWithin(2, 1000));
-  command->add_option("--gap", options->gap, "number of samples on either side of a block that are not used")
-      ->capture_default_str()
-      ->check(wholeNumberWithin(0, 100000));
-  command->add_option("--seed", options->seed, "seed of the random number generator")
-      ->capture_default_str()
-      ->check(anySeed());
-  declareNamespace(*command, options->space);
-  command->add_option("--picture", options->picture,
-                      "write an SVG of sensor positions, and of information and held-out error against the "
-                      "number of sensors");
-  command
-      ->add_option("--positions", options->positions,
-                   "CSV with the sensor positions for --picture: sensor,x_mm,y_mm,z_mm")
+      .add_option("--positions", options.positions,
+                  "CSV with the sensor positions for --picture: sensor,x_mm,y_mm,z_mm")
       ->needs("--picture");
-  command->add_flag("--json", options->json, "for programs");
-  options->files.declare(*command);
-  command->footer(
+  command.add_flag("--json", options.json, "for programs");
+  options.files.declare(command);
+  command.footer(
       "Columns named t, time or time_<unit> are times; all others except the target are candidate sensors.\n"
       "Example:  mm sensors housing.csv --target nose_um --max 2");
-  command->callback([options] { runSensors(*options); });
 }
 
 }  // namespace mm

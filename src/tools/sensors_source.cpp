@@ -1,6 +1,7 @@
 #include "tools/sensors_source.h"
 
 #include "base/error.h"
+#include "base/names_of.h"
 #include "base/text.h"
 #include "base/units.h"
 #include "estimation/network_samples.h"
@@ -45,18 +46,17 @@ SensorCandidates fromCalculix(const std::string& file, const std::string& target
   candidates.micrometres = micrometresPerUnit(target);
   candidates.temperatures = results.temperatures;
   for (const int node : results.nodes) candidates.names.push_back("node_" + std::to_string(node));
-  std::string known;
+  std::vector<std::string> known;
   for (std::size_t s = 0; s < results.sets.size(); ++s)
     for (int direction = 0; direction < 3; ++direction)
       for (const char* unit : {"m", "mm"}) {
-        const std::string name = results.sets[s] + '_' + "xyz"[direction] + '_' + unit;
-        known += (known.empty() ? "" : ", ") + name;
-        if (name == target) candidates.displacement = results.mean[s].col(direction);
+        known.push_back(results.sets[s] + '_' + "xyz"[direction] + '_' + unit);
+        if (known.back() == target) candidates.displacement = results.mean[s].col(direction);
       }
   if (candidates.displacement.size() == 0)
     throw InputError(file + ": --target: '" + target + "' is not the displacement of a node set; " +
                      (known.empty() ? "none was printed (*NODE PRINT, NSET=<set>, then U)"
-                                    : "there are, by the deck's unit of length: " + known));
+                                    : "there are, by the deck's unit of length: " + joined(known, ", ")));
   return candidates;
 }
 
@@ -68,11 +68,9 @@ SensorCandidates fromBag(const std::string& file, const std::string& target, con
     if (endsWith(axis, unit)) axis = axis.substr(0, axis.size() - std::string(unit).size());
   const Domain domain = observedDomain(session);
   const int joint = domain.findJoint(axis);
-  if (joint < 0) {
-    std::string names;
-    for (const Joint& j : domain.joints) names += (names.empty() ? "" : ", ") + j.name;
-    throw InputError(file + ": --target: '" + target + "' is not an axis of the machine; its axes: " + names);
-  }
+  if (joint < 0)
+    throw InputError(file + ": --target: '" + target +
+                     "' is not an axis of the machine; its axes: " + joined(allNames(domain.joints), ", "));
   if (domain.sensors.empty())
     throw InputError(file +
                      ": no temperature was logged; record /temperature/<sensor>, or import columns "

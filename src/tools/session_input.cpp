@@ -24,11 +24,7 @@ void Bags::declare(CLI::App& command, const std::string& session) {
   command.add_option("bag", paths, session)->required();
 }
 
-std::string Bags::joined() const {
-  std::string text;
-  for (const std::string& path : paths) text += (text.empty() ? "" : ":") + path;
-  return text;
-}
+std::string Bags::joined() const { return mm::joined(paths, ":"); }
 
 Session loadSession(const std::string& bag, const Machine* fallback, const std::string& space) {
   ProgressBar bar("reading");
@@ -93,24 +89,17 @@ void declareNamespace(CLI::App& command, std::string& space) {
 }
 
 void FitOptions::declare(CLI::App& command, bool genetic) {
-  command
-      .add_option("--repeatability-um", repeatability,
-                  "standard deviation of one measurement (default: from the model, the artifact or repeated "
-                  "measurements)")
-      ->check(numberWithin(1e-6, 1e6, "um"));
+  checkedOption(command, "--repeatability-um", repeatability, numberWithin(1e-6, 1e6, "um"),
+                "standard deviation of one measurement (default: from the model, the artifact or repeated "
+                "measurements)");
   command.add_flag("--keep-outliers", keepOutliers, "use all observations, outliers included");
   command.add_flag("--white-noise", whiteNoise,
                    "treat rows as independent, even if the residuals are correlated");
   declareNamespace(command, space);
   if (!genetic) return;
-  command.add_option("--seed", calibrate.seed, "seed of the random number generator")
-      ->capture_default_str()
-      ->check(anySeed());
-  command
-      .add_option("--threads", calibrate.threads,
-                  "number of threads; 0: one per core; does not affect the result")
-      ->capture_default_str()
-      ->check(wholeNumberWithin(0, 1024));
+  seedOption(command, calibrate.seed);
+  standardOption(command, "--threads", calibrate.threads, wholeNumberWithin(0, 1024),
+                 "number of threads; 0: one per core; does not affect the result");
 }
 
 CalibrateOptions FitOptions::checked() const {
@@ -121,8 +110,6 @@ CalibrateOptions FitOptions::checked() const {
   options.cancelled = [] { return Interrupt::asked(); };
   return options;
 }
-
-DiagnoseOptions FitOptions::checkedForDiagnosis() const { return diagnosing(checked()); }
 
 void SessionAndCalibration::declare(CLI::App& command, const std::string& session) {
   bags.declare(command, session);

@@ -2,7 +2,6 @@
 #include <string>
 
 #include "calibration_file/calibration.h"
-#include "diagnosis/diagnose.h"
 #include "estimation/calibrate.h"
 #include "model/model_spec.h"
 #include "session/sense_checks.h"
@@ -57,8 +56,6 @@ struct FitOptions {
   void declare(CLI::App& command, bool genetic);
   /// The options checked, with progress on `bar`'s terminal and Ctrl-C as cancel. @throw InputError.
   CalibrateOptions checked() const;
-  /// The same for a diagnosis. @throw InputError.
-  DiagnoseOptions checkedForDiagnosis() const;
 };
 
 /// What commands are asked that judge a session by a calibration.

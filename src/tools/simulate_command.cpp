@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <iomanip>
 #include <iostream>
@@ -79,38 +78,31 @@ void runSimulate(SimulateOptions& options) {
 
 }  // namespace
 
-void addSimulateCommand(CLI::App& app, int& /*exitStatus*/) {
-  auto options = std::make_shared<SimulateOptions>();
-  CLI::App* command =
-      app.add_subcommand("simulate", "Simulate the measurement of a plan, faster than real time");
-  command->add_option("--machine", options->machine, "three_axis, five_axis or the path of a URDF")
-      ->required();
-  command->add_option("--plan", options->plan, "measurement plan, YAML; see config/plans")->required();
-  command
-      ->add_option("--hide", options->request.hide,
-                   "effect that the simulated machine has: backlash, backlash:x=3um, random (see below); "
-                   "repeatable")
-      ->take_all()
-      ->allow_extra_args(false);
-  command->add_option("--rough", options->request.rough,
-                      "disturbances in addition to white noise, separated by commas: drift, correlated, "
-                      "form, sensors, tails, "
-                      "quantised, all (see below)");
-  command->add_option("--correction", options->correction,
-                      "compensation table that the simulated controller uses, CSV (mm apply --table)");
-  command->add_option(
-      "--key", options->key,
+void addSimulateCommand(CLI::App& app, int& exitStatus) {
+  auto [options, command] = addCommand<SimulateOptions>(
+      app, exitStatus, runSimulate, "simulate", "Simulate the measurement of a plan, faster than real time");
+  command.add_option("--machine", options.machine, "three_axis, five_axis or the path of a URDF")->required();
+  command.add_option("--plan", options.plan, "measurement plan, YAML; see config/plans")->required();
+  repeatedOption(command, "--hide", options.request.hide,
+                 "effect that the simulated machine has: backlash, backlash:x=3um, random (see below); "
+                 "repeatable");
+  command.add_option("--rough", options.request.rough,
+                     "disturbances in addition to white noise, separated by commas: drift, correlated, "
+                     "form, sensors, tails, "
+                     "quantised, all (see below)");
+  command.add_option("--correction", options.correction,
+                     "compensation table that the simulated controller uses, CSV (mm apply --table)");
+  command.add_option(
+      "--key", options.key,
       "key of a blind trial (mm plan verify --blind): the table is used in the blocks with the "
       "correction on");
-  command->add_option("--compensation", options->compensation, kCompensationHelp);
-  command->add_option("--seed", options->request.seed, "seed of the random number generator")
-      ->capture_default_str()
-      ->check(anySeed());
-  command->add_option("-o,--output", options->output, "the session's bag")->required();
-  command->add_option("--csv", options->csv, "also write the session as CSV in the format of mm import");
-  command->add_option("--truth", options->truth,
-                      "write the hidden effects as YAML; the bag does not contain them");
-  options->files.declare(*command);
+  command.add_option("--compensation", options.compensation, kCompensationHelp);
+  seedOption(command, options.request.seed);
+  command.add_option("-o,--output", options.output, "the session's bag")->required();
+  command.add_option("--csv", options.csv, "also write the session as CSV in the format of mm import");
+  command.add_option("--truth", options.truth,
+                     "write the hidden effects as YAML; the bag does not contain them");
+  options.files.declare(command);
   std::string kinds, uncatalogued;
   for (const SourceKind& kind : sourceKinds()) {
     std::string places;
@@ -119,7 +111,7 @@ void addSimulateCommand(CLI::App& app, int& /*exitStatus*/) {
     kinds += "  " + kind.type + places + "\n";
   }
   for (const SourceKind& kind : uncataloguedSourceKinds()) uncatalogued += "  " + kind.type + "\n";
-  command->footer(
+  command.footer(
       "Effects for --hide (=size and ,key=value set values; the others are drawn at random from the "
       "seed):\n" +
       kinds + "Effects outside the catalogue (drawn by random_uncatalogued, never by random):\n" +
@@ -140,7 +132,6 @@ void addSimulateCommand(CLI::App& app, int& /*exitStatus*/) {
       "  mm simulate --machine three_axis --plan config/plans/nine_ball_plate.yaml --hide "
       "straightness:x/z=2um \\\n"
       "     --hide '{type: backlash, axis: x, gap: 3um}' --truth t.yaml -o s.bag");
-  command->callback([options] { runSimulate(*options); });
 }
 
 }  // namespace mm

@@ -1,7 +1,5 @@
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
-#include <memory>
 #include <optional>
 
 #include "base/error.h"
@@ -40,21 +38,25 @@ void checkSameMachine(const CalibrationStore& store, const Calibration& next) {
                    "; use a separate --store for each machine, or replace it with --force");
 }
 
-void promote(const StoreOptions& options, bool force) {
+struct PromoteOptions : StoreOptions {
+  bool force = false;
+};
+
+void promote(const PromoteOptions& options) {
   CalibrationStore store = options.store();
   std::string id = options.id;
   const bool file = id.find('/') != std::string::npos || fs::path(id).extension() == ".yaml";
   if (file) {  // one that `mm calibrate -o` wrote: it is kept first
     Calibration calibration = loadCalibration(id);
     store = options.storeFor(calibration);
-    if (!force) checkSameMachine(store, calibration);  // before anything is kept
+    if (!options.force) checkSameMachine(store, calibration);  // before anything is kept
     id = store.add(calibration);
   } else if (!id.empty() && fs::is_regular_file(id)) {
     throw InputError(id + ": is " + nameOf(kindOf(id)) +
                      ", not a calibration; make one with mm calibrate -o and promote that file");
   }
   id = store.promote(id, [&](const Calibration& next) {
-    if (!force) checkSameMachine(store, next);
+    if (!options.force) checkSameMachine(store, next);
   });
   std::cout << "active: " << id << " in " << store.folder().string() << '\n';
 }
@@ -67,23 +69,19 @@ void rollback(const StoreOptions& options) {
 
 }  // namespace
 
-void addPromoteCommand(CLI::App& app, int& /*exitStatus*/) {
-  auto options = std::make_shared<StoreOptions>();
-  CLI::App* command = app.add_subcommand("promote", "Make a calibration active");
-  command->add_option("id", options->id,
-                      "id from mm history, or a calibration file (default: the candidate)");
-  options->declare(*command);
-  auto force = std::make_shared<bool>(false);
-  command->add_flag("--force", *force, "promote even if the active calibration is of another machine");
-  command->callback([options, force] { promote(*options, *force); });
+void addPromoteCommand(CLI::App& app, int& exitStatus) {
+  auto [options, command] =
+      addCommand<PromoteOptions>(app, exitStatus, promote, "promote", "Make a calibration active");
+  command.add_option("id", options.id, "id from mm history, or a calibration file (default: the candidate)");
+  options.declare(command);
+  command.add_flag("--force", options.force, "promote even if the active calibration is of another machine");
 }
 
-void addRollbackCommand(CLI::App& app, int& /*exitStatus*/) {
-  auto options = std::make_shared<StoreOptions>();
-  CLI::App* command = app.add_subcommand("rollback", "Make the previously active calibration active again");
-  command->add_option("id", options->id, "id from mm history (default: the previously active one)");
-  options->declare(*command);
-  command->callback([options] { rollback(*options); });
+void addRollbackCommand(CLI::App& app, int& exitStatus) {
+  auto [options, command] = addCommand<StoreOptions>(app, exitStatus, rollback, "rollback",
+                                                     "Make the previously active calibration active again");
+  command.add_option("id", options.id, "id from mm history (default: the previously active one)");
+  options.declare(command);
 }
 
 }  // namespace mm

@@ -1,6 +1,4 @@
-#include <CLI/CLI.hpp>
 #include <iostream>
-#include <memory>
 
 #include "calibration_file/calibration_yaml.h"
 #include "report/uncertainty_output.h"
@@ -21,7 +19,7 @@ struct UncertaintyCommand {
   bool json = false;
 };
 
-void runUncertainty(UncertaintyCommand& c, int& exitStatus) {
+int runUncertainty(UncertaintyCommand& c) {
   const Calibration calibration = loadCalibration(c.calibration);
   const ToleranceAsked asked = c.options.asked();
   if (!c.session.empty()) {
@@ -38,43 +36,40 @@ void runUncertainty(UncertaintyCommand& c, int& exitStatus) {
     result = taskUncertaintyOf(calibration, c.options);
   }
   const std::vector<TaskVerdict> verdicts = verdictsOf(result, asked);
-  if (c.json)
-    std::cout << uncertaintyJson(result, verdicts, calibration) << '\n';
-  else
-    std::cout << uncertaintyText(result, verdicts);
-  std::cout.flush();
+  std::cout << (c.json ? uncertaintyJson(result, verdicts, calibration) + "\n"
+                       : uncertaintyText(result, verdicts))
+            << std::flush;
   for (const std::string& note : result.notes) say("note: " + note);
   for (const std::string& why : result.outside)
     warn("the calibration does not hold " + why + "; the uncertainty there is unknown");
-  for (const TaskVerdict& v : verdicts)
-    if (v.conformity != Conformity::kConforms) exitStatus = kAnswerIsNo;
-  if (!result.outside.empty()) exitStatus = kAnswerIsNo;
+  const bool conforms = std::all_of(verdicts.begin(), verdicts.end(), [](const TaskVerdict& v) {
+    return v.conformity == Conformity::kConforms;
+  });
+  return conforms && result.outside.empty() ? kDone : kAnswerIsNo;
 }
 
 }  // namespace
 
 void addUncertaintyCommand(CLI::App& app, int& exitStatus) {
-  auto c = std::make_shared<UncertaintyCommand>();
-  CLI::App* command =
-      app.add_subcommand("uncertainty",
-                         "Evaluate the uncertainty of a measurement task on the calibrated machine, with its "
-                         "budget");
-  command->add_option("calibration", c->calibration, "the calibration file")->required();
-  command->add_option("--task", c->options.task, "measurement task, see below")->required();
-  command->add_option("--session", c->session,
-                      "session bag of this machine, preferably the calibrated one: its residuals give the "
-                      "direction of the unexplained error and its smooth part");
-  declareNamespace(*command, c->fit.space);
-  c->options.declare(*command);
-  command->add_flag("--json", c->json, "print one JSON object instead of text");
-  command->footer(
+  auto [c, command] = addCommand<UncertaintyCommand>(
+      app, exitStatus, runUncertainty, "uncertainty",
+      "Evaluate the uncertainty of a measurement task on the calibrated machine, with its "
+      "budget");
+  command.add_option("calibration", c.calibration, "the calibration file")->required();
+  command.add_option("--task", c.options.task, "measurement task, see below")->required();
+  command.add_option("--session", c.session,
+                     "session bag of this machine, preferably the calibrated one: its residuals give the "
+                     "direction of the unexplained error and its smooth part");
+  declareNamespace(command, c.fit.space);
+  c.options.declare(command);
+  command.add_flag("--json", c.json, "print one JSON object instead of text");
+  command.footer(
       "Tasks (mm, workpiece):\n" + taskHelp() +
       "The task is simulated on machines drawn from the calibration's distribution (GUM Supplement 1,\n"
       "ISO/TS 15530-4). Conformity is decided by ISO 14253-1. Exit status 1: a verdict is not \"conforms\", "
       "or the\n"
       "calibration is not valid for the task.\n"
       "Example: mm uncertainty c.yaml --task distance:0,0,0:15,10,0 --temperature bed=21.5");
-  command->callback([c, &exitStatus] { runUncertainty(*c, exitStatus); });
 }
 
 }  // namespace mm

@@ -30,86 +30,52 @@ TaskConditions::Temperature temperatureOf(const std::string& text) {
 }
 
 void declareConditions(CLI::App& command, UncertaintyOptions& c) {
-  command
-      .add_option("--temperature", c.temperatures,
-                  "sensor=degC, or sensor=degC+-K with its standard uncertainty (default: middle of the "
-                  "calibrated range); repeatable")
-      ->take_all()
-      ->allow_extra_args(false);
-  command
-      .add_option("--direction", c.directions,
-                  "axis=+1 or axis=-1: direction of travel at points without a contact (default: +1)")
-      ->take_all()
-      ->allow_extra_args(false);
-  command
-      .add_option("--joint", c.joints, "axis=deg (or mm): position of an axis that the task does not move")
-      ->take_all()
-      ->allow_extra_args(false);
+  repeatedOption(command, "--temperature", c.temperatures,
+                 "sensor=degC, or sensor=degC+-K with its standard uncertainty (default: middle of the "
+                 "calibrated range); repeatable");
+  repeatedOption(command, "--direction", c.directions,
+                 "axis=+1 or axis=-1: direction of travel at points without a contact (default: +1)");
+  repeatedOption(command, "--joint", c.joints,
+                 "axis=deg (or mm): position of an axis that the task does not move");
   command.add_option("--approach", c.approach,
                      "x,y,z: direction of approach for the tasks distance and position");
-  command
-      .add_option("--points", c.points.points,
-                  "number of contacts on the feature, or of ISO 230-2 targets (default: by task)")
-      ->check(wholeNumberWithin(3, 1000));
-  command
-      .add_option("--at-s", c.conditions.time,
-                  "time on the clock of the calibrated session (default: its end)")
-      ->check(numberWithin(0.0, 1e9, "s"));
-  command.add_option("--interval-s", c.conditions.interval, "time from point to point, for the drift")
-      ->check(numberWithin(0.0, 1e6, "s"))
-      ->capture_default_str();
-  command.add_option("--speed-mm-s", c.speedMm, "of the approach")
-      ->check(numberWithin(0.001, 1e4, "mm/s"))
-      ->capture_default_str();
-  command
-      .add_option("--margin", c.conditions.margin,
-                  "margin beyond the calibrated range within which it is valid, as a fraction of the range")
-      ->check(numberWithin(0.0, 10.0))
-      ->capture_default_str();
-  command
-      .add_option("--repeatability-um", c.repeatabilityUm,
-                  "repeatability of the probe (default: that of the calibration)")
-      ->check(numberWithin(0.0, 1e6, "um"));
-  command.add_option("--artifact-scale-um-m", c.scale, "standard uncertainty of the artifact's scale, um/m")
-      ->check(numberWithin(0.0, 1e6, "um/m"));
-  command
-      .add_option("--artifact-radius-um", c.radiusUm,
-                  "standard uncertainty of the radius of the ball on which the tip was qualified")
-      ->check(numberWithin(0.0, 1e6, "um"));
-  command
-      .add_option("--remainder-length-mm", c.remainderMm,
-                  "correlation length of the unexplained error (default: a quarter of the volume's diagonal)")
-      ->check(numberWithin(0.0, 1e6, "mm"));
+  checkedOption(command, "--points", c.points.points, wholeNumberWithin(3, 1000),
+                "number of contacts on the feature, or of ISO 230-2 targets (default: by task)");
+  checkedOption(command, "--at-s", c.conditions.time, numberWithin(0.0, 1e9, "s"),
+                "time on the clock of the calibrated session (default: its end)");
+  standardOption(command, "--interval-s", c.conditions.interval, numberWithin(0.0, 1e6, "s"),
+                 "time from point to point, for the drift");
+  standardOption(command, "--speed-mm-s", c.speedMm, numberWithin(0.001, 1e4, "mm/s"), "of the approach");
+  standardOption(command, "--margin", c.conditions.margin, numberWithin(0.0, 10.0),
+                 "margin beyond the calibrated range within which it is valid, as a fraction of the range");
+  checkedOption(command, "--repeatability-um", c.repeatabilityUm, numberWithin(0.0, 1e6, "um"),
+                "repeatability of the probe (default: that of the calibration)");
+  checkedOption(command, "--artifact-scale-um-m", c.scale, numberWithin(0.0, 1e6, "um/m"),
+                "standard uncertainty of the artifact's scale, um/m");
+  checkedOption(command, "--artifact-radius-um", c.radiusUm, numberWithin(0.0, 1e6, "um"),
+                "standard uncertainty of the radius of the ball on which the tip was qualified");
+  checkedOption(command, "--remainder-length-mm", c.remainderMm, numberWithin(0.0, 1e6, "mm"),
+                "correlation length of the unexplained error (default: a quarter of the volume's diagonal)");
 }
 
 void declareDecision(CLI::App& command, UncertaintyOptions& c) {
   command.add_option("--quantity", c.trials.quantity,
                      "quantity of the task to evaluate (default: its first)");
-  command
-      .add_option("--tolerance-um", c.toleranceUm,
-                  "tolerance +- about the nominal value; for form or range, the upper limit")
-      ->check(numberWithin(0.0, 1e6, "um"));
-  command.add_option("--measured-mm", c.measuredMm, "measured value (default: the expected value)")
-      ->check(numberWithin(-1e6, 1e6, "mm"));
+  checkedOption(command, "--tolerance-um", c.toleranceUm, numberWithin(0.0, 1e6, "um"),
+                "tolerance +- about the nominal value; for form or range, the upper limit");
+  checkedOption(command, "--measured-mm", c.measuredMm, numberWithin(-1e6, 1e6, "mm"),
+                "measured value (default: the expected value)");
   command.add_option("--mpe", c.mpe,
                      "A,K[,B]: maximum permissible error A um + L/K of lengths (L in mm), at most B um");
-  command.add_option("--mpe-probing-um", c.mpeProbingUm, "maximum permissible probing error")
-      ->check(numberWithin(0.0, 1e6, "um"));
-  command.add_option("--seed", c.trials.seed, "seed of the random number generator")
-      ->check(anySeed())
-      ->capture_default_str();
-  command
-      .add_option("--trials", c.trials.trials,
-                  "number of trials (default: until the digits are stable, GUM Supplement 1, 7.9)")
-      ->check(wholeNumberWithin(100, 100000000));
-  command
-      .add_option("--digits", c.trials.digits,
-                  "number of digits of the standard uncertainty that must be stable")
-      ->check(wholeNumberWithin(1, 2))
-      ->capture_default_str();
-  command
-      .add_option("--threads", c.threads, "number of threads; 0: one per core; does not affect the result")
-      ->check(wholeNumberWithin(0, 1024));
+  checkedOption(command, "--mpe-probing-um", c.mpeProbingUm, numberWithin(0.0, 1e6, "um"),
+                "maximum permissible probing error");
+  seedOption(command, c.trials.seed);
+  checkedOption(command, "--trials", c.trials.trials, wholeNumberWithin(100, 100000000),
+                "number of trials (default: until the digits are stable, GUM Supplement 1, 7.9)");
+  standardOption(command, "--digits", c.trials.digits, wholeNumberWithin(1, 2),
+                 "number of digits of the standard uncertainty that must be stable");
+  checkedOption(command, "--threads", c.threads, wholeNumberWithin(0, 1024),
+                "number of threads; 0: one per core; does not affect the result");
 }
 
 }  // namespace

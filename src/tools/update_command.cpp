@@ -1,7 +1,5 @@
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <iostream>
-#include <memory>
 
 #include "calibration_file/calibration_yaml.h"
 #include "report/json.h"
@@ -20,7 +18,7 @@ struct UpdateOptions : SessionAndCalibration {
   OutputFiles files;
 };
 
-int runUpdate(UpdateOptions& c) {
+void runUpdate(UpdateOptions& c) {
   c.files.input(c.bags.paths);
   c.files.calibration(c.calibration);
   c.files.output("-o", c.output, FileKind::kCalibration);
@@ -39,30 +37,28 @@ int runUpdate(UpdateOptions& c) {
         c.calibration + ", or train on both sessions with the network that predicts best (network: auto)");
   if (c.json) {
     std::cout << changeJson(done.result, done.calibration.ledger) << '\n';
-    return 0;
+    return;
   }
   std::cout << ledgerText(done.calibration, !std::isfinite(done.result.figures.rms));
   for (const LearnedNetwork& n : done.calibration.networks) std::cout << "  " << n.summary << '\n';
   if (!c.output.empty()) std::cout << "\nwritten to " << c.output << '\n';
-  return 0;
 }
 
 }  // namespace
 
 void addUpdateCommand(CLI::App& app, int& exitStatus) {
-  auto c = std::make_shared<UpdateOptions>();
-  CLI::App* command = app.add_subcommand(
-      "update", "Train the thermal networks of a calibration with a new session; change nothing else");
-  c->declare(*command, "the new session");
-  command->add_option("-o,--output", c->output, "the new calibration file");
-  c->files.declare(*command);
-  c->fit.declare(*command, false);
-  command->footer(
+  auto [c, command] = addCommand<UpdateOptions>(
+      app, exitStatus, runUpdate, "update",
+      "Train the thermal networks of a calibration with a new session; change nothing else");
+  c.declare(command, "the new session");
+  command.add_option("-o,--output", c.output, "the new calibration file");
+  c.files.declare(command);
+  c.fit.declare(command, false);
+  command.footer(
       "The training data in the file are kept, and the networks are trained on old and new data together.\n"
       "mm add and mm remove refit everything, networks included, to their session alone.\n"
       "Example:\n"
       "  mm update tuesday.bag --calibration monday.yaml -o both.yaml");
-  command->callback([c, &exitStatus] { exitStatus = runUpdate(*c); });
 }
 
 }  // namespace mm

@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
 
@@ -102,24 +101,23 @@ int runVerify(VerifyCommand& c) {
 }  // namespace
 
 void addVerifyCommand(CLI::App& app, int& exitStatus) {
-  auto c = std::make_shared<VerifyCommand>();
-  CLI::App* command =
-      app.add_subcommand("verify", "Verify with a few fresh points whether the correction helps");
-  c->declare(*command, "the fresh session: ten places not used for the calibration are enough");
-  command->add_flag("--loaded", c->loaded, "the controller's compensation was active during the session");
-  command->add_option("--export", c->exported,
-                      "the folder of mm export whose tables were loaded (with --loaded): errors that they "
-                      "cannot carry are not judged");
-  command->add_flag("--roll-back", c->rollBack,
-                    "if the correction does not help, make the previously active calibration active again");
-  command->add_option("--blind", c->blind,
-                      "the key of a blind trial that mm plan verify --blind planned: compare its blocks with "
-                      "the correction on and off");
-  command->add_option("-o,--output", c->page, "also write an HTML page (with --blind)");
-  c->files.declare(*command);
-  c->store.declare(*command);
-  c->fit.declare(*command, false);
-  command->footer(
+  auto [c, command] = addCommand<VerifyCommand>(
+      app, exitStatus, runVerify, "verify", "Verify with a few fresh points whether the correction helps");
+  c.declare(command, "the fresh session: ten places not used for the calibration are enough");
+  command.add_flag("--loaded", c.loaded, "the controller's compensation was active during the session");
+  command.add_option("--export", c.exported,
+                     "the folder of mm export whose tables were loaded (with --loaded): errors that they "
+                     "cannot carry are not judged");
+  command.add_flag("--roll-back", c.rollBack,
+                   "if the correction does not help, make the previously active calibration active again");
+  command.add_option("--blind", c.blind,
+                     "the key of a blind trial that mm plan verify --blind planned: compare its blocks with "
+                     "the correction on and off");
+  command.add_option("-o,--output", c.page, "also write an HTML page (with --blind)");
+  c.files.declare(command);
+  c.store.declare(command);
+  c.fit.declare(command, false);
+  command.footer(
       "The calibration is not refitted. With --loaded the readings should have no error; without it they "
       "are\n"
       "uncorrected, and the correction should remove their error. The verdict names a table that is not "
@@ -132,7 +130,6 @@ void addVerifyCommand(CLI::App& app, int& exitStatus) {
       "  mm verify fresh.bag --calibration c.yaml --loaded --export for_linuxcnc\n"
       "  mm verify fresh.bag --calibration c.yaml --roll-back\n"
       "  mm verify trial.bag --calibration c.yaml --blind trial.key.yaml -o trial.html");
-  command->callback([c, &exitStatus] { exitStatus = runVerify(*c); });
 }
 
 }  // namespace mm

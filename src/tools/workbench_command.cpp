@@ -1,7 +1,5 @@
-#include <CLI/CLI.hpp>
 #include <condition_variable>
 #include <iostream>
-#include <memory>
 #include <thread>
 
 #include "base/error.h"
@@ -65,38 +63,31 @@ int runWorkbench(WorkbenchCommand& c) {
 }  // namespace
 
 void addWorkbenchCommand(CLI::App& app, int& exitStatus) {
-  auto c = std::make_shared<WorkbenchCommand>();
-  CLI::App* command =
-      app.add_subcommand("workbench", "Serve the workbench, a page in the browser, until Ctrl-C");
-  c->bags.declare(*command,
-                  "the session, or several to evaluate together; without one, import a file on the page");
-  command->get_option("bag")->required(false);
-  command->add_option("--calibration", c->calibration,
-                      "the calibration to start with (default: a model without effects)");
-  command->add_option("--port", c->server.port, "port to listen on; 0: any free port")
-      ->capture_default_str()
-      ->check(wholeNumberWithin(0, 65535));
+  auto [c, command] = addCommand<WorkbenchCommand>(
+      app, exitStatus, runWorkbench, "workbench", "Serve the workbench, a page in the browser, until Ctrl-C");
+  c.bags.declare(command,
+                 "the session, or several to evaluate together; without one, import a file on the page");
+  command.get_option("bag")->required(false);
+  command.add_option("--calibration", c.calibration,
+                     "the calibration to start with (default: a model without effects)");
+  standardOption(command, "--port", c.server.port, wholeNumberWithin(0, 65535),
+                 "port to listen on; 0: any free port");
   command
-      ->add_option("--address", c->server.address,
-                   "address to listen on; access is protected by the token only")
+      .add_option("--address", c.server.address,
+                  "address to listen on; access is protected by the token only")
       ->capture_default_str();
-  command->add_option("--host", c->server.hosts,
-                      "further host name by which a browser reaches it; repeatable");
-  command->add_option("--store", c->store, "folder of calibrations, as for mm promote");
-  command
-      ->add_option("--threads", c->bench.threads,
-                   "number of threads; 0: one per core; does not affect the result")
-      ->capture_default_str()
-      ->check(wholeNumberWithin(0, 1024));
-  declareNamespace(*command, c->space);
-  command->footer(
+  command.add_option("--host", c.server.hosts, "further host name by which a browser reaches it; repeatable");
+  command.add_option("--store", c.store, "folder of calibrations, as for mm promote");
+  standardOption(command, "--threads", c.bench.threads, wholeNumberWithin(0, 1024),
+                 "number of threads; 0: one per core; does not affect the result");
+  declareNamespace(command, c.space);
+  command.footer(
       "Prints the address to open in a browser on this computer, including the access token. A calibration "
       "with an\n"
       "added effect is stored in the folder of calibrations as candidate.\n"
       "A file that the page imports is written as a bag beside the session's, else into the current folder.\n"
       "Example:\n"
       "  mm workbench plate.bag");
-  command->callback([c, &exitStatus] { exitStatus = runWorkbench(*c); });
 }
 
 }  // namespace mm

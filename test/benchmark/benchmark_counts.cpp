@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <sstream>
 
-#include "tools/json_output.h"
+#include "base/json_text.h"
 
 namespace mm {
 namespace {

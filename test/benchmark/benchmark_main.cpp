@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/json_text.h"
 #include "base/read_file.h"
 #include "base/version.h"
 #include "benchmark_counts.h"
@@ -15,7 +16,6 @@
 #include "tools/bounds.h"
 #include "tools/exit_status.h"
 #include "tools/interrupt.h"
-#include "tools/json_output.h"
 #include "tools/program.h"
 #include "tools/progress_bar.h"
 
@@ -104,7 +104,7 @@ int run(const Options& o) {
       {"plan", o.plan}, {"machine", o.machine},     {"rough", o.rough}, {"effects", o.effects},
       {"size", o.size}, {"trials_asked", o.trials}, {"seed", o.seed},   {"uncatalogued", o.uncatalogued}};
   out.update(counts.json());
-  printJson(std::cout, out);
+  std::cout << jsonText(out) << '\n';
   return status;
 }
 

@@ -1,40 +1,32 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <sstream>
 
-#include "tools/json_output.h"
+#include "base/json_text.h"
 #include "tools/one_line.h"
 #include "tools/progress_bar.h"
 
 namespace mm {
 namespace {
 
-TEST(JsonOutput, NeverHoldsNaNOrInfinity) {
+TEST(JsonText, NeverHoldsNaNOrInfinity) {
   nlohmann::ordered_json value;
   value["rms_um"] = NAN;
   value["nested"] = {{"plain", INFINITY}, {"list", {1.0, -INFINITY}}};
-  std::ostringstream out;
-  printJson(out, value);
-  EXPECT_EQ(out.str().find("nan"), std::string::npos);
-  EXPECT_EQ(out.str().find("inf"), std::string::npos);
-  const auto back = nlohmann::json::parse(out.str());
+  const std::string text = jsonText(value);
+  EXPECT_EQ(text.find("nan"), std::string::npos);
+  EXPECT_EQ(text.find("inf"), std::string::npos);
+  const auto back = nlohmann::json::parse(text);
   EXPECT_TRUE(back["rms_um"].is_null());
   EXPECT_TRUE(back["nested"]["plain"].is_null());
   EXPECT_TRUE(back["nested"]["list"][1].is_null());
 }
 
-TEST(JsonOutput, NumbersReadBackToTheBit) {
-  std::ostringstream out;
-  printJson(out, {{"value", 0.1 + 0.2}});
-  EXPECT_EQ(nlohmann::json::parse(out.str())["value"].get<double>(), 0.1 + 0.2);
+TEST(JsonText, NumbersReadBackToTheBit) {
+  EXPECT_EQ(nlohmann::json::parse(jsonText({{"value", 0.1 + 0.2}}))["value"].get<double>(), 0.1 + 0.2);
 }
 
-TEST(JsonOutput, ForeignTextIsPrinted) {
-  std::ostringstream out;
-  printJson(out, {{"name", "b\xff"}});
-  EXPECT_TRUE(nlohmann::json::accept(out.str()));
-}
+TEST(JsonText, ForeignTextIsPrinted) { EXPECT_TRUE(nlohmann::json::accept(jsonText({{"name", "b\xff"}}))); }
 
 TEST(OneLine, BreaksAndRunsOfBlanksBecomeOneBlank) {
   EXPECT_EQ(oneLine("a\n  b\r\n\tc \n"), "a b c");
