@@ -19,28 +19,49 @@ constexpr double kStillMoving = 0.3;   // s after the last state that moved
 constexpr double kFrameKept = 1.0;     // s: an older frame is no longer told
 constexpr double kPlanLease = 0.5;     // s: a plan that is not renewed for so long ends
 constexpr double kStopAnswers = 10.0;  // s for the axes to rest
-const ros::WallDuration kPlanRenewal(0.1);
+const ros::WallDuration kBetweenRenewals(0.1);
 constexpr std::chrono::milliseconds kConnect(500);  // between looks at the connection to stop
 constexpr std::size_t kMostContacts = 100000;
 
-/// Waits on the wall's clock: that of ROS may stand still. @return whether it came true.
-template <typename Condition>
-bool awaitWall(double seconds, Condition condition) {
-  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(seconds);
-  while (ros::ok() && !condition() && ros::WallTime::now() < end) ros::WallDuration(0.02).sleep();
-  return condition();
-}
+const ros::WallDuration kAvailable(3.0);  // for a server or a service to come
 
 /// Calls a service that answers with success and message. @throw InputError: not there, or refused.
 template <typename Service>
 std::string ask(const ros::NodeHandle& node, const std::string& name, Service& service) {
-  ros::NodeHandle handle(node);
-  if (!awaitWall(3.0, [&] { return ros::service::exists(handle.resolveName(name), false); }))
-    throw InputError(handle.resolveName(name) + " is not available; is its node running?");
-  if (!ros::service::call(handle.resolveName(name), service))
-    throw InputError(handle.resolveName(name) + " did not answer; see its node's log");
+  const std::string full = node.resolveName(name);
+  // On the wall's clock: that of ROS may stand still.
+  const ros::WallTime end = ros::WallTime::now() + kAvailable;
+  while (!ros::service::exists(full, false)) {
+    if (!ros::ok() || ros::WallTime::now() > end)
+      throw InputError(full + " is not available; is its node running?");
+    ros::WallDuration(0.02).sleep();
+  }
+  if (!ros::service::call(full, service)) throw InputError(full + " did not answer; see its node's log");
   if (!service.response.success) throw InputError(service.response.message);
   return service.response.message;
+}
+
+/// Waits for the end of the goal that was sent, which lives by being renewed.
+/// @param renew whether that was answered. @return false: its server has gone; the goal is forgotten.
+template <typename Action, typename Renew>
+bool follow(ActionCall<Action>& call, const Renew& renew) {
+  bool gone = false;
+  while (ros::ok() && !gone && !call.ended()) {
+    kBetweenRenewals.sleep();
+    gone = !renew() || !call.isServerConnected() || call.unheard(kUnheard);
+  }
+  if (gone) call.forget();
+  return !gone;
+}
+
+/// What the server says of the goal that ended. @throw InputError: it did not succeed.
+template <typename Action>
+std::string messageOf(const ActionCall<Action>& call, const std::string& what) {
+  const auto end = call.end();
+  if (end.state == actionlib::TerminalState::SUCCEEDED) return end.result.message;
+  if (!end.result.message.empty()) throw InputError(end.result.message);
+  const std::string text = end.state.getText();
+  throw InputError(text.empty() ? what + " ended without a result" : text);
 }
 
 }  // namespace
@@ -162,7 +183,7 @@ std::string RosMachine::rollback(const std::string& id) {
 }
 
 std::string RosMachine::home() {
-  if (!awaitWall(3.0, [&] { return home_.isServerConnected(); }))
+  if (!home_.waitForServer(kAvailable))
     throw InputError(node_.resolveName("axis_driver/home") +
                      " is not available; is the node axis_driver running?");
   measuring_machine::TakeMotion ticket;
@@ -174,27 +195,14 @@ std::string RosMachine::home() {
   measuring_machine::HomeGoal goal;
   goal.ticket = ticket.request.ticket = ticket.response.ticket;
   home_.send(goal);
-  bool gone = false;
-  while (ros::ok() && !gone && !home_.ended()) {
-    kPlanRenewal.sleep();
-    measuring_machine::TakeMotion again;
-    again.request = ticket.request;
-    lease(again, kPlanLease);  // where it is refused the homing ends, and says why
-    gone = !home_.isServerConnected() || home_.unheard(kUnheard);
-  }
-  lease(ticket, 0.0);
-  if (gone) {
-    home_.forget();
-    throw InputError("the node axis_driver stopped or lost its connection during homing");
-  }
-  const auto end = home_.end();
-  if (end.state == actionlib::TerminalState::SUCCEEDED) return end.result.message;
-  throw InputError(end.result.message.empty() ? end.state.getText() : end.result.message);
-}
-
-bool RosMachine::lease(measuring_machine::TakeMotion& ticket, double seconds) {
-  ticket.request.seconds = seconds;
-  return take_.call(ticket, kPlanLease) && ticket.response.success;
+  const bool ended = follow(home_, [&] {
+    take_.call(ticket, kPlanLease);  // where it is refused the homing ends, and says why
+    return true;
+  });
+  ticket.request.seconds = 0.0;
+  take_.call(ticket, kPlanLease);
+  if (!ended) throw InputError("the node axis_driver stopped or lost its connection during homing");
+  return messageOf(home_, "homing");
 }
 
 std::string RosMachine::pause(bool yes) {
@@ -204,7 +212,7 @@ std::string RosMachine::pause(bool yes) {
 }
 
 std::string RosMachine::run(const std::string& yaml, const std::function<bool()>& cancelled) {
-  if (!awaitWall(3.0, [&] { return measure_.isServerConnected(); }))
+  if (!measure_.waitForServer(kAvailable))
     throw InputError(node_.resolveName("measure/run") + " is not available; is the node measure running?");
   std_srvs::Trigger renewal;
   if (!renew_.callAnew(renewal, kPlanLease))
@@ -222,31 +230,27 @@ std::string RosMachine::run(const std::string& yaml, const std::function<bool()>
                                          : "");
     share_ = feedback.progress;
   });
-  bool asked = false, gone = false;
-  while (ros::ok() && !gone && !measure_.ended()) {
-    kPlanRenewal.sleep();
-    gone = !renew_.call(renewal, kPlanLease) || !measure_.isServerConnected() || measure_.unheard(kUnheard);
-    if (asked || !cancelled()) continue;
-    measure_.cancel();
-    asked = true;
-  }
+  bool asked = false;
+  const bool ended = follow(measure_, [&] {
+    const bool renewed = renew_.call(renewal, kPlanLease);
+    if (!asked && cancelled()) {
+      measure_.cancel();
+      asked = true;
+    }
+    return renewed;
+  });
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     measuring_.clear();
     share_ = 0.0;
   }
-  if (gone) {
-    measure_.forget();
+  if (!ended) {
     stop();
     throw InputError(
         "the node measure has stopped, so the machine was stopped; its measurements are in the bag; run the "
         "plan again");
   }
-  const auto end = measure_.end();
-  if (end.state == actionlib::TerminalState::SUCCEEDED) return end.result.message;
-  if (!end.result.message.empty()) throw InputError(end.result.message);
-  const std::string text = end.state.getText();
-  throw InputError(text.empty() ? "the plan ended without a result" : text);
+  return messageOf(measure_, "the plan");
 }
 
 void RosMachine::stop() {

@@ -61,8 +61,6 @@ class RosMachine : public LiveMachine {
   Eigen::Vector3d look(const std::string& child, Frame& frame) const;
   void takeContact(const measuring_machine::ProbeContactConstPtr& message);
   void takeArtifact(const measuring_machine::ArtifactConstPtr& message);
-  /// Takes the axes, or renews that, or gives them back. @return whether that was answered, with success.
-  bool lease(measuring_machine::TakeMotion& ticket, double seconds);
   void serveStops();
   void sendStop();
 
