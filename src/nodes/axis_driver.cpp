@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <sstream>
 
 #include "base/error.h"
 #include "ros_bridge/axis_messages.h"
 #include "ros_bridge/node_support.h"
+#include "session/csv_cells.h"
 
 namespace mm {
 namespace {
@@ -18,13 +18,22 @@ constexpr double kLongestGap = 0.1;  // s: after a longer pause of the process t
 
 std::vector<std::vector<std::string>> stagesOf(const std::string& text) {
   std::vector<std::vector<std::string>> stages;
-  std::istringstream all(text);
-  for (std::string stage; std::getline(all, stage, ';');) {
-    stages.emplace_back();
-    std::istringstream names(stage);
-    for (std::string name; names >> name;) stages.back().push_back(name);
+  for (const std::string_view stage : wordsIn(text, ";")) {
+    const std::vector<std::string_view> names = wordsIn(stage);
+    stages.emplace_back(names.begin(), names.end());
   }
   return stages;
+}
+
+/// Publishes a status where it says something else than the last one, and every second.
+template <typename Status>
+void publishNews(const ros::Publisher& out, const Status& status, Status& last) {
+  const ros::Time stamp = status.header.stamp, next = last.header.stamp + ros::Duration(1.0);
+  Status same = last;
+  same.header = status.header;
+  if (same == status && stamp < next && next - stamp < ros::Duration(2.0)) return;
+  last = status;
+  out.publish(status);
 }
 
 }  // namespace
@@ -277,14 +286,7 @@ void AxisDriver::publishStatus(const MotionControl::View& view, const ros::Time&
   status.fault = view.fault;
   status.name = control_.axes();
   status.travel = travel_;
-  std::string text = std::to_string(status.homed + 2 * status.moving + 4 * status.probing +
-                                    8 * status.emergency_stop + 16 * status.probe_closed) +
-                     " " + std::to_string(view.unsuccessful) + " " + view.fault;
-  for (const std::int8_t direction : travel_) text += " " + std::to_string(direction);
-  if (text == shown_ && stamp < nextStatus_ && nextStatus_ - stamp < ros::Duration(2.0)) return;
-  shown_ = text;
-  nextStatus_ = stamp + ros::Duration(1.0);
-  statusOut_.publish(status);
+  publishNews(statusOut_, status, shown_);
 }
 
 void AxisDriver::publishMotion(const MotionControl::View& view, const ros::Time& stamp) {
@@ -302,14 +304,8 @@ void AxisDriver::publishMotion(const MotionControl::View& view, const ros::Time&
   status.alarm = view.state.alarm.text;
   status.remedy = view.state.alarm.remedy;
   status.late = view.late;
-  const std::string text = status.owner + "|" + std::to_string(status.stops) + "|" + status.stopped_by + "|" +
-                           std::to_string(status.homing + 2 * status.held + 4 * status.lost) + "|" +
-                           std::to_string(status.feed_override) + "|" + std::to_string(status.resets) + "|" +
-                           std::to_string(status.alarm_code) + status.alarm;
-  if (text == shownMotion_ && stamp < nextMotion_ && nextMotion_ - stamp < ros::Duration(2.0)) return;
-  shownMotion_ = text;
-  nextMotion_ = stamp + ros::Duration(1.0);
-  motionOut_.publish(status);
+  shownMotion_.late = status.late;  // alone it is no news
+  publishNews(motionOut_, status, shownMotion_);
 }
 
 void AxisDriver::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {

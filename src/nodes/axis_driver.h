@@ -120,11 +120,13 @@ class AxisDriver {
   MotionControl::Observation last_;
   ros::Time homedAt_, lastStamp_;
   TimeWatch time_;
-  std::vector<TravelTracker> trackers_;  // of each axis
-  std::vector<bool> axisHomed_;          // by the last state
-  std::vector<std::int8_t> travel_;      // of each axis: direction of its last motion; 0: none yet
-  std::string shown_, shownMotion_, lostSaid_, faultSaid_, probeSaid_;  // as last published
-  ros::Time nextStatus_, nextMotion_, nextTemperature_;
+  std::vector<TravelTracker> trackers_;          // of each axis
+  std::vector<bool> axisHomed_;                  // by the last state
+  std::vector<std::int8_t> travel_;              // of each axis: direction of its last motion; 0: none yet
+  measuring_machine::AxisStatus shown_;          // as last published
+  measuring_machine::MotionStatus shownMotion_;  // likewise
+  std::string lostSaid_, faultSaid_, probeSaid_;
+  ros::Time nextTemperature_;
   ros::WallTime nextDiagnostics_;
   std::atomic<std::uint64_t> cycles_{0}, late_{0};
 
