@@ -14,6 +14,7 @@
 #include "calibration_file/calibration_yaml.h"
 #include "report/json.h"
 #include "report/text.h"
+#include "report/verify_json.h"
 #include "ros_bridge/bag_session.h"
 #include "ros_bridge/message_conversion.h"
 #include "ros_bridge/node_support.h"
@@ -21,6 +22,8 @@
 #include "session/joined.h"
 #include "session/session_hash.h"
 #include "session/session_summary.h"
+#include "verification/verify.h"
+#include "verification/verify_words.h"
 #include "workflow/learning.h"
 
 namespace mm {
@@ -95,11 +98,11 @@ CalibrationServer::CalibrationServer(ros::NodeHandle node, ros::NodeHandle own, 
                                        [this](auto& request, auto& response) { verify(request, response); });
   services_.push_back(
       offer<measuring_machine::Promote>(own, "promote", [this](auto& request, auto& response) {
-        response.message = promote(request.calibration_id) + " is active";
+        response.message = activate(&CalibrationStore::promote, request.calibration_id) + " is active";
       }));
   services_.push_back(
       offer<measuring_machine::Rollback>(own, "rollback", [this](auto& request, auto& response) {
-        response.message = rollback(request.calibration_id) + " is active again";
+        response.message = activate(&CalibrationStore::rollback, request.calibration_id) + " is active again";
       }));
   services_.push_back(
       offer<measuring_machine::Cancel>(own, "cancel", [this](auto&, auto& response) { cancel(response); }));
@@ -302,21 +305,53 @@ void CalibrationServer::change(const std::string& effect, Change change, Respons
   response.json = changeJson(done.result, done.calibration.ledger);
 }
 
-void CalibrationServer::checkFit(const Calibration& calibration) const {
-  const std::string misfit = misfitOf(calibration, machine_, machineSpace());
-  if (!misfit.empty()) throw InputError(misfit);
-}
-
-std::string CalibrationServer::promote(const std::string& id) {
-  const std::string active = store_.promote(id, [this](const Calibration& c) { checkFit(c); });
+std::string CalibrationServer::activate(Activation how, const std::string& id) {
+  const std::string active = (store_.*how)(id, [this](const Calibration& calibration) {
+    const std::string misfit = misfitOf(calibration, machine_, machineSpace());
+    if (!misfit.empty()) throw InputError(misfit);
+  });
   changedOut_.publish(toText(active));
   return active;
 }
 
-std::string CalibrationServer::rollback(const std::string& id) {
-  const std::string active = store_.rollback(id, [this](const Calibration& c) { checkFit(c); });
-  changedOut_.publish(toText(active));
-  return active;
+std::string CalibrationServer::takenBack(const std::string& id, bool& done) {
+  if (store_.linked("active") != id)
+    return "calibration " + id + " is not the active calibration, so nothing is rolled back";
+  try {
+    return "rolled back: " + activate(&CalibrationStore::rollback, {}) + " is active again";
+  } catch (const InputError& e) {
+    done = false;
+    return std::string("not rolled back: ") + e.what();
+  }
+}
+
+void CalibrationServer::verify(const measuring_machine::Verify::Request& request,
+                               measuring_machine::Verify::Response& response) {
+  std::string name = request.calibration;
+  if (name.empty()) name = store_.linked("active");
+  if (name.empty())
+    throw InputError("no calibration is active in " + store_.folder().string() +
+                     "; promote one first, or name the calibration to verify");
+  const Calibration calibration = calibrationFrom(name);
+  const SessionPtr session = openSession(request.bag, Machine(calibration.urdf, calibration.machineName));
+  VerifyOptions how;
+  how.loaded = request.loaded != 0;
+  if (!request.export_folder.empty())
+    how.exported = std::make_shared<const LoadedExport>(request.export_folder, calibration);
+  how.calibrate = options();
+  const Verification found = mm::verify(*session, calibration, how);
+  job_.step("answering", 1.0);  // a verdict that was cut short is none
+  response.json = verifyJson(found);
+  response.message = found.inWords;
+  if (request.automatic_rollback != 0 && found.verdict != VerifyVerdict::kHelped) {
+    bool done = true;
+    const std::string kept = whyKept(found);
+    response.message += "; " + (kept.empty() ? takenBack(calibration.id, done) : kept);
+    response.success = done;
+  }
+  for (const std::string& more : {axesText(found), whyNotFresh(calibration, *session), lossText(*session),
+                                  keepAnswer(store_, calibration, *session, found)})
+    add(response.message, more);
 }
 
 void CalibrationServer::cancel(measuring_machine::Cancel::Response& response) {

@@ -40,6 +40,7 @@ class CalibrationServer {
   using SessionPtr = std::shared_ptr<const Session>;
   using Change = Recalibration (*)(const Session&, const Calibration&, const EffectSpec&,
                                    const CalibrateOptions&);
+  using Activation = std::string (CalibrationStore::*)(const std::string&, const CalibrationStore::Check&);
   /// A service whose work is the job's task of the same name.
   template <typename Service, typename Work>
   void offerTask(const std::string& name, Work work);
@@ -68,12 +69,12 @@ class CalibrationServer {
   /// prints.
   std::string nextCall(const std::string& service, const std::string& request) const;
   std::string nextAfter(const Diagnosis& diagnosis, const Calibration& of) const;
-  std::string promote(const std::string& id);   ///< @return what is active, as the other nodes are told
-  std::string rollback(const std::string& id);  ///< likewise
+  /// Promotes a calibration of this machine, or rolls back to one. @return what is active, as the other nodes
+  /// are told. @throw InputError: it is of another machine.
+  std::string activate(Activation how, const std::string& id);
   /// Makes active again what was active before `id`. @param done false: it was asked in vain. @return in
   /// words what became of it.
   std::string takenBack(const std::string& id, bool& done);
-  void checkFit(const Calibration& calibration) const;  ///< @throw InputError: of another machine
   void diagnoseNode(diagnostic_updater::DiagnosticStatusWrapper& status);
   void publishProgress(const Job::State& state);
 
