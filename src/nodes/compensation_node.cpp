@@ -49,15 +49,14 @@ CompensationNode::CompensationNode(ros::NodeHandle node, ros::NodeHandle own, co
     : node_(node),
       machine_(machine),
       prefix_(framePrefix(own)),
-      watch_(CalibrationStore(storeFolder(own, machine)), machine, machineSpace(),
-             numberParameter(own, "margin", 0.1, 0.0, 10.0)),
+      margin_(numberParameter(own, "margin", 0.1, 0.0, 10.0)),
+      watch_(CalibrationStore(storeFolder(own, machine)), machine, machineSpace(), margin_),
       inputs_(machine, settingsFrom(own)),
       owners_(allNames(machine.joints())),
       updater_(node, own, ros::this_node::getName()) {
   refuseUnknownParameters(own, {"store", "margin", "frame_prefix", "drivers", "joint_timeout",
                                 "sensor_timeout", "travel_deadband", "travel_deadband_rotary"});
   contactsOut_ = node.advertise<measuring_machine::CorrectedContact>("probe/contact_corrected", 1000);
-  margin_ = numberParameter(own, "margin", 0.1, 0.0, 10.0);
   markersOut_ = own.advertise<visualization_msgs::MarkerArray>("correction", 10);
   statusOut_ = own.advertise<measuring_machine::CompensationStatus>("status", 100, true);
   if (const auto pair = watch_.refresh()) install(pair);

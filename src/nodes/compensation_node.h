@@ -76,6 +76,7 @@ class CompensationNode {
   ros::NodeHandle node_;
   Machine machine_;
   std::string prefix_;
+  double margin_;           // of what is in use
   CalibrationWatch watch_;  // of the slow thread
 
   std::mutex mutex_;  // everything below
@@ -106,7 +107,6 @@ class CompensationNode {
   std::vector<ros::ServiceServer> correctTarget_;
   ros::WallTimer timer_;
   diagnostic_updater::Updater updater_;
-  double margin_ = 0.0;  // of what is in use
   std::unique_ptr<dynamic_reconfigure::Server<measuring_machine::CompensationConfig>> reconfigured_;
   std::unique_ptr<ros::AsyncSpinner> spinner_;
 };
