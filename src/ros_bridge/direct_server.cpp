@@ -4,6 +4,7 @@
 #include <netinet/tcp.h>
 #include <poll.h>
 #include <ros/console.h>
+#include <ros/header.h>
 #include <ros/master.h>
 #include <ros/network.h>
 #include <ros/this_node.h>
@@ -45,44 +46,34 @@ bool readAll(int socket, void* to, std::size_t bytes, std::optional<Clock::time_
   return true;
 }
 
-bool writeAll(int socket, const std::vector<std::uint8_t>& bytes) {
-  for (std::size_t done = 0; done < bytes.size();) {
-    const ssize_t sent = send(socket, bytes.data() + done, bytes.size() - done, MSG_NOSIGNAL);
+/// Writes `first`, a length and as many bytes.
+bool writeBlock(int socket, const std::string& first, const std::uint8_t* block, std::uint32_t size) {
+  std::string all = first;
+  all.append(reinterpret_cast<const char*>(&size), sizeof size);
+  all.append(reinterpret_cast<const char*>(block), size);
+  for (std::size_t done = 0; done < all.size();) {
+    const ssize_t sent = send(socket, all.data() + done, all.size() - done, MSG_NOSIGNAL);
     if (sent <= 0) return false;
     done += static_cast<std::size_t>(sent);
   }
   return true;
 }
 
-void addLength(std::vector<std::uint8_t>& to, std::size_t value) {
-  for (int shift = 0; shift < 32; shift += 8) to.push_back(static_cast<std::uint8_t>(value >> shift));
-}
-
-std::uint32_t lengthAt(const std::uint8_t* at) {
-  return at[0] | at[1] << 8 | at[2] << 16 | static_cast<std::uint32_t>(at[3]) << 24;
-}
-
 /// A length and as many bytes. @return false: the connection ended, or it was more than `most`.
 bool readBlock(int socket, std::uint32_t most, std::vector<std::uint8_t>& bytes,
                std::optional<Clock::time_point> until = {}) {
-  std::uint8_t length[4];
-  if (!readAll(socket, length, sizeof length, until) || lengthAt(length) > most) return false;
+  std::uint32_t length = 0;  // little-endian, as the machines that ROS runs on
+  if (!readAll(socket, &length, sizeof length, until) || length > most) return false;
   bytes.reserve(1);  // roscpp counts on from where they begin, also where there are none
-  bytes.resize(lengthAt(length));
+  bytes.resize(length);
   return readAll(socket, bytes.data(), bytes.size(), until);
 }
 
-bool writeHeader(int socket, const std::map<std::string, std::string>& fields) {
-  std::vector<std::uint8_t> body, all;
-  for (const auto& [key, value] : fields) {
-    addLength(body, key.size() + 1 + value.size());
-    body.insert(body.end(), key.begin(), key.end());
-    body.push_back('=');
-    body.insert(body.end(), value.begin(), value.end());
-  }
-  addLength(all, body.size());
-  all.insert(all.end(), body.begin(), body.end());
-  return writeAll(socket, all);
+bool writeHeader(int socket, const ros::M_string& fields) {
+  boost::shared_array<std::uint8_t> bytes;
+  std::uint32_t size = 0;
+  ros::Header::write(fields, bytes, size);
+  return writeBlock(socket, {}, bytes.get(), size);
 }
 
 }  // namespace
@@ -181,7 +172,8 @@ const DirectServer::Entry* DirectServer::greet(int socket, Fields& fields) {
   std::vector<std::uint8_t> header;
   if (!readBlock(socket, kLongestFields, header, Clock::now() + kGreeting)) return nullptr;
   for (std::size_t at = 0; at + 4 <= header.size();) {
-    const std::size_t length = lengthAt(&header[at]);
+    std::uint32_t length = 0;
+    std::memcpy(&length, &header[at], sizeof length);
     at += 4;
     if (length > header.size() - at) return nullptr;
     const std::string field(header.begin() + static_cast<std::ptrdiff_t>(at),
@@ -219,13 +211,12 @@ void DirectServer::serve(int socket) {
   Fields fields;
   const Entry* entry = greet(socket, fields);
   if (entry == nullptr || fields["probe"] == "1") return;
-  std::vector<std::uint8_t> bytes, answer;
+  const std::string called(1, '\1');
+  std::vector<std::uint8_t> bytes;
   while (!ending_ && readBlock(socket, kLongestRequest, bytes)) {
     entry->answer(fields["callerid"], bytes);
-    answer.assign(1, 1);  // it was called
-    addLength(answer, bytes.size());
-    answer.insert(answer.end(), bytes.begin(), bytes.end());
-    if (!writeAll(socket, answer) || fields["persistent"] != "1") return;
+    const bool told = writeBlock(socket, called, bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+    if (!told || fields["persistent"] != "1") return;
   }
 }
 
