@@ -3,35 +3,12 @@
 #include <sensor_msgs/Temperature.h>
 
 #include <chrono>
-#include <sstream>
 
 #include "ros_bridge/message_conversion.h"
 #include "ros_bridge/node_support.h"
 
 namespace mm {
 namespace {
-
-std::string textOf(const XmlRpc::XmlRpcValue& value) {
-  std::ostringstream text;
-  text.precision(17);
-  XmlRpc::XmlRpcValue copy = value;  // its conversions are not const
-  switch (copy.getType()) {
-    case XmlRpc::XmlRpcValue::TypeString:
-      return static_cast<std::string>(copy);
-    case XmlRpc::XmlRpcValue::TypeInt:
-      text << static_cast<int>(copy);
-      break;
-    case XmlRpc::XmlRpcValue::TypeDouble:
-      text << static_cast<double>(copy);
-      break;
-    case XmlRpc::XmlRpcValue::TypeBoolean:
-      text << (static_cast<bool>(copy) ? "true" : "false");
-      break;
-    default:
-      throw InputError("is neither text nor a number");
-  }
-  return text.str();
-}
 
 /// The parameter `sensors`: a list of mappings. @throw InputError.
 std::vector<TemperatureSetup> sensorsParameter(const ros::NodeHandle& own) {
@@ -47,11 +24,11 @@ std::vector<TemperatureSetup> sensorsParameter(const ros::NodeHandle& own) {
                        ": must be a mapping, as {name: bed, hwmon: …}");
     TemperatureSetup setup;
     for (auto& [key, value] : list[i]) {
-      try {
-        (key == "name" ? setup.name : setup.keys[key]) = textOf(value);
-      } catch (const InputError& e) {
-        throw InputError(where + ", item " + std::to_string(i + 1) + ", '" + key + "': " + e.what());
-      }
+      const std::optional<std::string> text = textOf(value);
+      if (!text)
+        throw InputError(where + ", item " + std::to_string(i + 1) + ", '" + key +
+                         "': is neither text nor a number");
+      (key == "name" ? setup.name : setup.keys[key]) = *text;
     }
     sensors.push_back(std::move(setup));
   }

@@ -11,6 +11,7 @@
 #include <cstdlib>
 
 #include "base/nearest_name.h"
+#include "base/number_text.h"
 #include "calibration_file/calibration_fit.h"
 #include "calibration_file/calibration_store.h"
 #include "machine/machine_fit.h"
@@ -98,21 +99,27 @@ std::string framePrefix(const ros::NodeHandle& own) {
 
 std::string machineSpace() { return ros::this_node::getNamespace(); }
 
-std::string textParameter(const ros::NodeHandle& node, const std::string& name, const std::string& standard) {
-  XmlRpc::XmlRpcValue value;
-  if (!node.getParam(name, value)) return standard;
+std::optional<std::string> textOf(XmlRpc::XmlRpcValue value) {
   switch (value.getType()) {
     case XmlRpc::XmlRpcValue::TypeString:
       return static_cast<std::string>(value);
     case XmlRpc::XmlRpcValue::TypeInt:
       return std::to_string(static_cast<int>(value));
     case XmlRpc::XmlRpcValue::TypeDouble:
-      return std::to_string(static_cast<double>(value));
+      return numberText(static_cast<double>(value));
     case XmlRpc::XmlRpcValue::TypeBoolean:
       return static_cast<bool>(value) ? "true" : "false";
     default:
-      wrongType(node, name, "a text");
+      return std::nullopt;
   }
+}
+
+std::string textParameter(const ros::NodeHandle& node, const std::string& name, const std::string& standard) {
+  XmlRpc::XmlRpcValue value;
+  if (!node.getParam(name, value)) return standard;
+  const std::optional<std::string> text = textOf(value);
+  if (!text) wrongType(node, name, "a text");
+  return *text;
 }
 
 double numberParameter(const ros::NodeHandle& node, const std::string& name, double standard, double lower,

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@ namespace mm {
 /// that is recorded. @throw InputError when it is missing, no machine, or has another serial already.
 Machine machineFromParameter(const ros::NodeHandle& node);
 
+/// A value that is a text, a number or a flag, as one writes it; empty: it is none of these.
+std::optional<std::string> textOf(XmlRpc::XmlRpcValue value);
 /// A private parameter, or `standard` where it is not set. @throw InputError when it has another type.
 std::string textParameter(const ros::NodeHandle& node, const std::string& name, const std::string& standard);
 /// @throw InputError when it has another type or is outside `lower` … `upper`.

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "ros_bridge/node_support.h"
 #include "session_files.h"
 
 namespace mm {
@@ -98,6 +99,17 @@ TEST(MessageConversion, StampsAreWholeNanoseconds) {
   EXPECT_EQ(rosTime(3000000007LL), ros::Time(3, 7));
   EXPECT_THROW(rosTime(-1), InputError);
   EXPECT_THROW(rosTime(4294967296LL * 1000000000LL), InputError);
+}
+
+TEST(ParameterText, IsWhatOneWritesAndKeepsSmallNumbers) {
+  EXPECT_EQ(textOf(XmlRpc::XmlRpcValue("bed 1")), "bed 1");
+  EXPECT_EQ(textOf(XmlRpc::XmlRpcValue(12)), "12");
+  EXPECT_EQ(textOf(XmlRpc::XmlRpcValue(12.5)), "12.5");
+  EXPECT_EQ(textOf(XmlRpc::XmlRpcValue(1e-7)), "1e-07");
+  EXPECT_EQ(textOf(XmlRpc::XmlRpcValue(true)), "true");
+  XmlRpc::XmlRpcValue list;
+  list.setSize(2);
+  EXPECT_EQ(textOf(list), std::nullopt);
 }
 
 }  // namespace
