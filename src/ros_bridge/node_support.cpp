@@ -165,13 +165,14 @@ void refuseUnknownParameters(const ros::NodeHandle& node, const std::vector<std:
   }
 }
 
-int runNode(int argc, char** argv, const std::string& name, const std::function<void()>& work) {
+int runNode(int argc, char** argv, const std::string& name,
+            const std::function<void(ros::NodeHandle, ros::NodeHandle)>& work) {
   ros::init(argc, argv, name);
   ros::start();  // else what went wrong is said after the last handle of `work` has ended, to nobody
   const MasterWatch watch;
   int status = 0;
   try {
-    work();
+    work(ros::NodeHandle(), ros::NodeHandle("~"));
   } catch (const std::exception& e) {
     status = 2;
     const bool input = dynamic_cast<const InputError*>(&e) != nullptr;

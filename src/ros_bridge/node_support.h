@@ -63,10 +63,11 @@ ros::ServiceServer offer(ros::NodeHandle node, const std::string& name, Work wor
   });
 }
 
-/// The boundary of a node: initialises ROS, runs `work` and says what it throws. With MM_RESPAWN=true
-/// in the environment (roslaunch starts the node again) wrong parameters do not end it before they change, or
-/// half a minute is over.
+/// The boundary of a node: initialises ROS, runs `work` with its handles (the private one second) and says
+/// what it throws. With MM_RESPAWN=true in the environment (roslaunch starts the node again) wrong parameters
+/// do not end it before they change, or half a minute is over.
 /// @return exit status: 0, or 2 for bad parameters.
-int runNode(int argc, char** argv, const std::string& name, const std::function<void()>& work);
+int runNode(int argc, char** argv, const std::string& name,
+            const std::function<void(ros::NodeHandle, ros::NodeHandle)>& work);
 
 }  // namespace mm

@@ -1,7 +1,6 @@
 #include <pluginlib/class_loader.hpp>
 
 #include "nodes/axis_driver.h"
-#include "nodes/run.h"
 #include "ros_bridge/ending.h"
 #include "ros_bridge/node_support.h"
 
@@ -20,9 +19,8 @@ mm::AxisController::Parameters controllerParameters(const ros::NodeHandle& own) 
 
 }  // namespace
 
-int mm::runAxisDriver(int argc, char** argv) {
-  return mm::runNode(argc, argv, "axis_driver", [] {
-    ros::NodeHandle node, own("~");
+int main(int argc, char** argv) {
+  return mm::runNode(argc, argv, "axis_driver", [](ros::NodeHandle node, ros::NodeHandle own) {
     const mm::Machine machine = mm::machineFromParameter(node);
     pluginlib::ClassLoader<mm::AxisController> loader("measuring_machine", "mm::AxisController");
     const std::string hardware = mm::textParameter(own, "hardware", "simulated");

@@ -1,11 +1,9 @@
 #include "nodes/measure_node.h"
-#include "nodes/run.h"
 #include "ros_bridge/ending.h"
 #include "ros_bridge/node_support.h"
 
-int mm::runMeasure(int argc, char** argv) {
-  return mm::runNode(argc, argv, "measure", [] {
-    ros::NodeHandle node, own("~");
+int main(int argc, char** argv) {
+  return mm::runNode(argc, argv, "measure", [](ros::NodeHandle node, ros::NodeHandle own) {
     ros::AsyncSpinner spinner(3);
     const mm::MeasureNode measure(node, own, mm::machineFromParameter(node));
     mm::endWhileRosLives();

@@ -5,7 +5,6 @@
 #include <sstream>
 
 #include "nodes/ros_machine.h"
-#include "nodes/run.h"
 #include "ros_bridge/bag_session.h"
 #include "ros_bridge/effect_plugins.h"
 #include "ros_bridge/ending.h"
@@ -37,8 +36,7 @@ mm::BenchSources sources() {
 /// `~port`, `~address`, `~hosts` (separated by spaces), `~store`, `~threads`, `~bag` (a recorded session to
 /// begin with), `~open` (a browser), `~heartbeat` (s, without one for so long the machine is stopped),
 /// `~frame_prefix`. Sets `~url`.
-void serve() {
-  ros::NodeHandle node, own("~");
+void serve(ros::NodeHandle node, ros::NodeHandle own) {
   mm::refuseUnknownParameters(own, {"port", "address", "hosts", "store", "threads", "bag", "open",
                                     "heartbeat", "frame_prefix", "url"});
   mm::loadEffectPlugins([](const std::string& line) { ROS_WARN("%s", line.c_str()); });
@@ -73,4 +71,4 @@ void serve() {
 
 }  // namespace
 
-int mm::runWorkbench(int argc, char** argv) { return mm::runNode(argc, argv, "workbench", serve); }
+int main(int argc, char** argv) { return mm::runNode(argc, argv, "workbench", serve); }
