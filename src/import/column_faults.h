@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "import/column_mapping.h"
 #include "import/import_faults.h"
 #include "import/table_layout.h"
 #include "session/text_file.h"

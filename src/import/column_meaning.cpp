@@ -10,6 +10,7 @@
 #include "base/text.h"
 #include "import/column_faults.h"
 #include "import/column_unit.h"
+#include "import/import_format.h"
 #include "import/meaning.h"
 #include "import/name_reader.h"
 #include "import/table_remarks.h"
@@ -20,35 +21,32 @@ namespace {
 
 class TableUnderstander {
  public:
-  TableUnderstander(const TextFile& file, const TableLayout& layout, const ColumnMapping& mapping,
-                    const Machine& machine, const Artifact* artifact, ImportFaults& faults)
-      : file_(file),
+  TableUnderstander(const ImportContext& context, const TableLayout& layout)
+      : import_(context),
         layout_(layout),
-        mapping_(mapping),
-        machine_(machine),
-        artifact_(artifact),
-        faults_(file, layout, faults),
-        samples_(columnSamples(file, layout)),
-        names_(machine),
-        remarks_(tableRemarks(layout, machine)) {}
+        mapping_(context.mapping),
+        machine_(context.machine),
+        faults_(context.file, layout, context.faults),
+        samples_(columnSamples(context.file, layout)),
+        names_(machine_),
+        remarks_(tableRemarks(layout, machine_)) {}
 
-  UnderstoodTable understand() {
-    table_.form.separator = layout_.separator;
-    table_.form.decimalComma = layout_.decimalComma;
-    table_.form.headerLine = layout_.lastHead();
-    table_.form.features = mapping_.features;
+  TableForm understand() {
+    form_.separator = layout_.separator;
+    form_.decimalComma = layout_.decimalComma;
+    form_.headerLine = layout_.lastHead();
+    form_.features = mapping_.features;
     findAxis();
     checkMapping();
-    table_.form.fixed = fixedReadings(mapping_, machine_, faults_);
+    form_.fixed = fixedReadings(import_, faults_);
     lookAhead();
     if (layout_.headerLine == 0 && mapping_.columns.empty())
       nameless();
     else if (!mapping_.columns.empty() || !coordinateEachRow())
       for (std::size_t i = 0; i < layout_.names.size(); ++i) column(i);
-    if (!table_.columns.empty())
-      completeTable(file_, layout_, samples_, machine_, artifact_, table_, faults_);
+    if (!form_.columns.empty()) completeTable(import_, layout_, samples_, form_, faults_);
     faults_.tell();
-    return std::move(table_);
+    return std::move(form_);
   }
 
  private:
@@ -78,7 +76,7 @@ class TableUnderstander {
       std::vector<std::string> names;
       for (const std::string& there : layout_.names) names.push_back(shownText(there));
       faults_.add(mapping_.source + ": columns: '" + shownText(name) + "' is not in " +
-                  file_.path().string() + " (" + listOf(names) + ")" + didYouMean(name, names));
+                  import_.file.path().string() + " (" + listOf(names) + ")" + didYouMean(name, names));
     }
   }
 
@@ -133,7 +131,7 @@ class TableUnderstander {
       const std::string as = joint.empty() ? "ignore" : joint + "_mm";
       all += (i > 0 ? ", " : "") + faults_.key(i) + ": " + as;
       faults_.lines().askColumn(faults_.keyName(i), as);
-      table_.columns.push_back(asWritten(i));
+      import_.imported.columns.push_back(asWritten(i));
     }
     faults_.add(faults_.place() + "no line names the " + std::to_string(layout_.names.size()) + " columns; " +
                 addToMapping("columns", "{" + all + "}") +
@@ -164,8 +162,8 @@ class TableUnderstander {
       seen.meaning = "ignored by the mapping";
     else
       understand(i, as, c, seen);
-    table_.form.columns.push_back(std::move(c));
-    table_.columns.push_back(std::move(seen));
+    form_.columns.push_back(std::move(c));
+    import_.imported.columns.push_back(std::move(seen));
   }
 
   /// A column whose meaning is looked for.
@@ -243,8 +241,8 @@ class TableUnderstander {
   /// From where the joint of a column that does not say its own is known.
   void noteAxis(std::size_t i) {
     const auto note = [&](const std::string& from) {
-      table_.notes.push_back("column " + faults_.called(i) + " is taken as of " +
-                             machine_.joints()[context_.axis].name + ", " + from);
+      import_.note("column " + faults_.called(i) + " is taken as of " +
+                   machine_.joints()[context_.axis].name + ", " + from);
     };
     if (headed_) note("the axis that line " + std::to_string(remarks_.axisLine) + " names");
     if (onlyNamed_) note("the only joint that the file names");
@@ -252,9 +250,9 @@ class TableUnderstander {
 
   /// A column of few different words, in which there are names of the artifact.
   bool isLabels(std::size_t i) const {
-    if (artifact_ == nullptr) return false;
+    if (import_.artifact == nullptr) return false;
     const std::string first = samples_[i].first;
-    for (const Feature& f : artifact_->features)
+    for (const Feature& f : import_.artifact->features)
       if (lower(f.name) == lower(first)) return true;
     return mapping_.features.count(first) > 0;
   }
@@ -297,7 +295,7 @@ class TableUnderstander {
     } else if (near.empty() && measured) {
       as = "measured_" + machine_.joints()[std::max(0, context_.axis)].name + "_mm";
     } else if (near.empty() && samples_[i].texts > 0 && !hasFeature_ && samples_[i].numbers == 0 &&
-               artifact_ != nullptr) {
+               import_.artifact != nullptr) {
       as = "feature";
       or_ = ", or ignore";
     }
@@ -348,9 +346,9 @@ class TableUnderstander {
     c.factor = time.factor;
     seen.unit = time.unit;
     seen.from = time.from;
-    table_.form.absoluteTime |= time.since1970;
-    if (time.form == TimeForm::kNumber && layout_.names[i] == "time_s") table_.form.absoluteTime = false;
-    table_.notes.insert(table_.notes.end(), time.notes.begin(), time.notes.end());
+    form_.absoluteTime |= time.since1970;
+    if (time.form == TimeForm::kNumber && layout_.names[i] == "time_s") form_.absoluteTime = false;
+    for (const std::string& note : time.notes) import_.note(note);
   }
 
   /// Two columns may not hold the same.
@@ -370,14 +368,13 @@ class TableUnderstander {
     if (m.role == CsvRole::kCovariate) c.index = covariates_++;
   }
 
-  const TextFile& file_;
+  const ImportContext& import_;
   const TableLayout& layout_;
   const ColumnMapping& mapping_;
   const Machine& machine_;
-  const Artifact* artifact_;
   ColumnFaults faults_;
   std::vector<ColumnSample> samples_;
-  UnderstoodTable table_;
+  TableForm form_;
   NameReader names_;
   TableRemarks remarks_;
   NameContext context_;
@@ -389,9 +386,8 @@ class TableUnderstander {
 
 }  // namespace
 
-UnderstoodTable understandTable(const TextFile& file, const TableLayout& layout, const ColumnMapping& mapping,
-                                const Machine& machine, const Artifact* artifact, ImportFaults& faults) {
-  return TableUnderstander(file, layout, mapping, machine, artifact, faults).understand();
+TableForm understandTable(const ImportContext& context, const TableLayout& layout) {
+  return TableUnderstander(context, layout).understand();
 }
 
 }  // namespace mm

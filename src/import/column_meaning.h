@@ -1,11 +1,7 @@
 #pragma once
-#include <optional>
 #include <string>
-#include <vector>
 
-#include "import/column_mapping.h"
 #include "import/column_words.h"
-#include "import/import_faults.h"
 #include "import/table_layout.h"
 #include "import/unit.h"
 #include "machine/machine.h"
@@ -25,15 +21,11 @@ struct UnderstoodColumn {
   std::string key{};  // by which a mapping names it; empty: none may
 };
 
-struct UnderstoodTable {
-  TableForm form;
-  std::vector<UnderstoodColumn> columns;
-  std::vector<std::string> notes;
-};
+struct ImportContext;
 
 /// Understands the columns of a table: by the mapping, then by their names and units, by remarks in the file,
-/// by what the machine can reach. What cannot be known goes to `faults`, each with the line for the mapping.
-UnderstoodTable understandTable(const TextFile& file, const TableLayout& layout, const ColumnMapping& mapping,
-                                const Machine& machine, const Artifact* artifact, ImportFaults& faults);
+/// by what the machine can reach. Fills the context's columns and notes; what cannot be known is a fault,
+/// each with the line for the mapping.
+TableForm understandTable(const ImportContext& context, const TableLayout& layout);
 
 }  // namespace mm

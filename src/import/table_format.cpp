@@ -14,13 +14,14 @@ namespace {
 bool fitsTravels(const ImportContext& context, TableLayout layout, bool comma) {
   layout.decimalComma = comma;
   ImportFaults faults;
-  const UnderstoodTable table =
-      understandTable(context.file, layout, context.mapping, context.machine, context.artifact, faults);
+  Imported ignored;
+  const TableForm form = understandTable(
+      {context.file, context.mapping, context.machine, context.artifact, faults, ignored}, layout);
   const std::vector<ColumnSample> samples = columnSamples(context.file, layout);
   bool any = false;
   for (const UnclearNumber& u : layout.marks.unclear) {
-    if (u.column >= table.form.columns.size()) continue;
-    const CsvColumn& c = table.form.columns[u.column];
+    if (u.column >= form.columns.size()) continue;
+    const CsvColumn& c = form.columns[u.column];
     if (c.role != CsvRole::kPosition && c.role != CsvRole::kMeasured) continue;
     if (!fitsTravel(samples[u.column], c.factor, context.machine.joints()[c.index])) return false;
     any = true;
@@ -70,18 +71,15 @@ void readAnyTable(ImportContext& context) {
   seeMarkByTravels(context, layout);
   Imported& imported = context.imported;
   imported.how = context.file.encoding() + ", " + layout.inWords();
-  UnderstoodTable table = understandTable(context.file, layout, context.mapping, context.machine,
-                                          context.artifact, context.faults);
-  imported.columns = std::move(table.columns);
+  const TableForm form = understandTable(context, layout);
   if (!imported.columns.empty()) showRows(context, layout);
-  imported.notes.insert(imported.notes.end(), table.notes.begin(), table.notes.end());
   for (const UnclearNumber& u : layout.marks.unclear)
-    if (u.column < table.form.columns.size() && table.form.columns[u.column].role != CsvRole::kIgnored)
+    if (u.column < form.columns.size() && form.columns[u.column].role != CsvRole::kIgnored)
       refuseUnclear(context.file, layout, u, context.faults);
   if (!context.faults.empty()) return;
-  TableReading reading = readTable(context.file, table.form, context.machine, context.artifact);
+  TableReading reading = readTable(context.file, form, context.machine, context.artifact);
   imported.notes.insert(imported.notes.end(), reading.notes.begin(), reading.notes.end());
-  if (!table.form.absoluteTime) dateSession(context, table.form, reading.session);
+  if (!form.absoluteTime) dateSession(context, form, reading.session);
   finishImport(context, std::move(reading.session));
 }
 

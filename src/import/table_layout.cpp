@@ -1,7 +1,6 @@
 #include "import/table_layout.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "base/cancel_scope.h"
@@ -357,7 +356,6 @@ void eachRow(const TextFile& file, const TableLayout& layout,
 
 std::vector<ColumnSample> columnSamples(const TextFile& file, const TableLayout& layout) {
   std::vector<ColumnSample> samples(layout.names.size());
-  std::vector<double> last(samples.size(), -INFINITY);
   eachRow(file, layout, [&](std::size_t, std::string_view, const Cells& cells) {
     if (sumsUp(cells)) return;
     for (std::size_t i = 0; i < std::min(cells.size(), samples.size()); ++i) {
@@ -372,9 +370,6 @@ std::vector<ColumnSample> columnSamples(const TextFile& file, const TableLayout&
         if (s.suffix != suffix) s.suffix.clear();
         s.lower = s.numbers == 0 ? value : std::min(s.lower, value);
         s.upper = s.numbers == 0 ? value : std::max(s.upper, value);
-        s.whole = s.whole && value == std::floor(value);
-        s.rising = s.rising && value > last[i];
-        last[i] = value;
         ++s.numbers;
       } else if (const auto calendar = parseCalendar(cells[i])) {
         ++s.calendars;

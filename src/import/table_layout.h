@@ -45,8 +45,6 @@ TableLayout tableLayout(const TextFile& file, const ColumnMapping& mapping);
 struct ColumnSample {
   std::size_t numbers = 0, texts = 0, calendars = 0, clocks = 0, count = 0;
   double lower = 0.0, upper = 0.0;  // of the numbers, as written
-  bool whole = true;                // all numbers are integers
-  bool rising = true;               // each above the one before it
   std::string first;
   std::set<std::string> words;              // some of its different texts
   std::string suffix;                       // the unit behind each number, where all have the same: `12.5 mm`

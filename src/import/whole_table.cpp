@@ -14,29 +14,27 @@
 namespace mm {
 namespace {
 
-bool hasAny(const UnderstoodTable& table, std::initializer_list<CsvRole> roles) {
-  return std::any_of(table.form.columns.begin(), table.form.columns.end(), [&](const CsvColumn& c) {
+bool hasAny(const TableForm& form, std::initializer_list<CsvRole> roles) {
+  return std::any_of(form.columns.begin(), form.columns.end(), [&](const CsvColumn& c) {
     return std::find(roles.begin(), roles.end(), c.role) != roles.end();
   });
 }
 
 /// What may hold the measurement of a table in which nothing says so: the column left out that is in the
-/// smallest unit of length, else one of a few words, else the last that is no note.
+/// smallest unit of length, else one of a few words, else the last.
 ColumnRemedy guessed(const TableLayout& layout, const std::vector<ColumnSample>& samples,
-                     const Machine& machine, const UnderstoodTable& table) {
+                     const Machine& machine, const TableForm& form) {
   std::size_t best = layout.names.size(), words = best, last = 0;
   Unit least;
   int joint = 0;
   for (std::size_t i = 0; i < layout.names.size(); ++i) {
-    const CsvColumn& c = table.form.columns[i];
+    const CsvColumn& c = form.columns[i];
     if (c.role == CsvRole::kPosition) joint = c.index;
     if (c.role != CsvRole::kIgnored) continue;
     const NameAndUnit split = splitUnit(layout.names[i]);
     const auto unit = parseUnit(split.unitText.empty() ? layout.units[i] : split.unitText, UnitKind::kLength);
     if (samples[i].numbers > 0 && unit && (best == layout.names.size() || unit->factor < least.factor))
       best = i, least = *unit;
-    const bool note = table.columns[i].meaning == "ignored: a note";
-    if (note) continue;
     last = i;
     if (samples[i].numbers == 0 && samples[i].texts > 0) words = i;
   }
@@ -48,15 +46,16 @@ ColumnRemedy guessed(const TableLayout& layout, const std::vector<ColumnSample>&
 }
 
 /// Without a column that says what was touched it may be the only ball that there is.
-void onlyFeature(const TableLayout& layout, const std::vector<ColumnSample>& samples, const Machine& machine,
-                 const Artifact* artifact, UnderstoodTable& table, ColumnFaults& faults) {
+void onlyFeature(const ImportContext& context, const TableLayout& layout,
+                 const std::vector<ColumnSample>& samples, TableForm& form, ColumnFaults& faults) {
+  const Artifact* artifact = context.artifact;
   if (artifact != nullptr && artifact->features.size() == 1) {
-    table.form.onlyFeature = 0;
-    table.notes.push_back("no column names the feature: '" + artifact->features.front().name +
-                          "', the only one of the artifact");
+    form.onlyFeature = 0;
+    context.note("no column names the feature: '" + artifact->features.front().name +
+                 "', the only one of the artifact");
     return;
   }
-  ColumnRemedy remedy = guessed(layout, samples, machine, table);
+  ColumnRemedy remedy = guessed(layout, samples, context.machine, form);
   if (artifact == nullptr) remedy.after += ", or give an --artifact of one ball";
   faults.add(faults.place() +
                  "no column holds a measurement: a ball (feature), a true position (reference_x_mm), a "
@@ -66,18 +65,17 @@ void onlyFeature(const TableLayout& layout, const std::vector<ColumnSample>& sam
 
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
-std::size_t columnOf(const UnderstoodTable& table, CsvRole role, int joint) {
-  for (std::size_t i = 0; i < table.form.columns.size(); ++i)
-    if (table.form.columns[i].role == role && table.form.columns[i].index == joint) return i;
+std::size_t columnOf(const TableForm& form, CsvRole role, int joint) {
+  for (std::size_t i = 0; i < form.columns.size(); ++i)
+    if (form.columns[i].role == role && form.columns[i].index == joint) return i;
   return kNone;
 }
 
 /// What a table says of one joint in three columns, and how well they agree.
 class Comparison {
  public:
-  Comparison(const TableLayout& layout, const UnderstoodTable& table, std::size_t target,
-             std::size_t measured, std::size_t deviation)
-      : layout_(layout), table_(table), target_(target), measured_(measured), deviation_(deviation) {}
+  Comparison(const TableForm& form, std::size_t target, std::size_t measured, std::size_t deviation)
+      : form_(form), target_(target), measured_(measured), deviation_(deviation) {}
 
   void look(std::size_t line, const std::vector<std::string_view>& cells) {
     double t = 0.0, m = 0.0, d = 0.0;
@@ -101,54 +99,53 @@ class Comparison {
  private:
   /// @param step gets the least step that is written, in SI.
   bool read(const std::vector<std::string_view>& cells, std::size_t i, double& value, double& step) {
-    const CsvColumn& c = table_.form.columns[i];
+    const CsvColumn& c = form_.columns[i];
     if (i >= cells.size()) return false;
     const std::string_view cell = withoutUnit(cells[i], c.suffix);
-    if (!parseNumber(cell, layout_.decimalComma, value)) return false;
+    if (!parseNumber(cell, form_.decimalComma, value)) return false;
     value *= c.factor;
-    const std::size_t mark = cell.rfind(layout_.decimalComma ? ',' : '.');
+    const std::size_t mark = cell.rfind(form_.decimalComma ? ',' : '.');
     const auto decimals = mark == std::string_view::npos ? 0 : static_cast<int>(cell.size() - mark - 1);
     const double written = std::abs(c.factor) * std::pow(10.0, -decimals);
     step = step == 0.0 ? written : std::min(step, written);
     return true;
   }
 
-  const TableLayout& layout_;
-  const UnderstoodTable& table_;
+  const TableForm& form_;
   std::size_t target_, measured_, deviation_, line_ = 0;
   double same_ = 0.0, opposite_ = 0.0, says_ = 0.0, is_ = 0.0;
   double stepM_ = 0.0, stepD_ = 0.0;
 };
 
-void setAside(UnderstoodTable& table, std::size_t i, const std::string& why) {
-  table.form.columns[i].role = CsvRole::kIgnored;
-  table.columns[i].meaning = "left out: " + why;
-}
-
 /// A table may give target, measured position and deviation of one joint: the deviation is measured minus
 /// target, or the opposite. The finer of the two is kept, the other set aside with the reason; where they
 /// disagree by more than they are written to, that is a fault.
-void settleRedundant(const TextFile& file, const TableLayout& layout, UnderstoodTable& table,
-                     const Machine& machine, ColumnFaults& faults) {
+void settleRedundant(const ImportContext& context, const TableLayout& layout, TableForm& form,
+                     ColumnFaults& faults) {
+  const Machine& machine = context.machine;
+  const auto setAside = [&](std::size_t i, const std::string& why) {
+    form.columns[i].role = CsvRole::kIgnored;
+    context.imported.columns[i].meaning = "left out: " + why;
+  };
   for (int j = 0; j < machine.jointCount(); ++j) {
-    const std::size_t measured = columnOf(table, CsvRole::kMeasured, j);
-    const std::size_t deviation = columnOf(table, CsvRole::kDeviation, j),
-                      target = columnOf(table, CsvRole::kPosition, j);
+    const std::size_t measured = columnOf(form, CsvRole::kMeasured, j);
+    const std::size_t deviation = columnOf(form, CsvRole::kDeviation, j),
+                      target = columnOf(form, CsvRole::kPosition, j);
     if (measured == kNone || deviation == kNone || target == kNone) continue;
-    Comparison comparison(layout, table, target, measured, deviation);
-    eachRow(file, layout, [&](std::size_t n, std::string_view, const Cells& cells) {
+    Comparison comparison(form, target, measured, deviation);
+    eachRow(context.file, layout, [&](std::size_t n, std::string_view, const Cells& cells) {
       if (!sumsUp(cells)) comparison.look(n, cells);
     });
     const std::string joint = machine.joints()[j].name;
     if (comparison.same() && !comparison.opposite() && comparison.deviationIsFiner()) {
-      setAside(table, measured, "target plus deviation, which is finer");
+      setAside(measured, "target plus deviation, which is finer");
     } else if (comparison.same()) {
-      setAside(table, deviation, "measured minus target");
+      setAside(deviation, "measured minus target");
     } else if (comparison.opposite()) {
-      setAside(table, deviation, "target minus measured, the deviation with its sign changed");
+      setAside(deviation, "target minus measured, the deviation with its sign changed");
     } else {
       const auto [unit, symbol] = errorUnit(machine.joints()[j]);
-      faults.add(file.place(comparison.line()) + "column " + faults.called(deviation) +
+      faults.add(context.file.place(comparison.line()) + "column " + faults.called(deviation) +
                      format(" says %.6g %s, but ", comparison.says() / unit, symbol) +
                      faults.called(measured) + " minus " + faults.called(target) +
                      format(" is %.6g %s", comparison.is() / unit, symbol),
@@ -159,10 +156,10 @@ void settleRedundant(const TextFile& file, const TableLayout& layout, Understood
 
 }  // namespace
 
-std::vector<std::pair<int, double>> fixedReadings(const ColumnMapping& mapping, const Machine& machine,
-                                                  ColumnFaults& faults) {
+std::vector<std::pair<int, double>> fixedReadings(const ImportContext& context, ColumnFaults& faults) {
+  const Machine& machine = context.machine;
   std::vector<std::pair<int, double>> fixed;
-  for (const auto& [name, value] : mapping.fixed) {
+  for (const auto& [name, value] : context.mapping.fixed) {
     const NameAndUnit split = splitUnit(name);
     const int j = jointOf(machine, split.stem);
     const auto kind = j >= 0 ? unitKindOf(machine, j) : UnitKind::kLength;
@@ -170,29 +167,29 @@ std::vector<std::pair<int, double>> fixedReadings(const ColumnMapping& mapping, 
     if (j >= 0 && unit)
       fixed.emplace_back(j, value * unit->factor);
     else
-      faults.add(mapping.source + ": fixed: '" + shownText(name) +
+      faults.add(context.mapping.source + ": fixed: '" + shownText(name) +
                  "' is not <joint>_<unit> of this machine (" + jointNames(machine) + "); e.g. fixed: {" +
                  machine.joints().front().name + "_mm: 12.5}");
   }
   return fixed;
 }
 
-void completeTable(const TextFile& file, const TableLayout& layout, const std::vector<ColumnSample>& samples,
-                   const Machine& machine, const Artifact* artifact, UnderstoodTable& table,
-                   ColumnFaults& faults) {
+void completeTable(const ImportContext& context, const TableLayout& layout,
+                   const std::vector<ColumnSample>& samples, TableForm& form, ColumnFaults& faults) {
+  const Machine& machine = context.machine;
   if (!faults.empty()) return;
-  settleRedundant(file, layout, table, machine, faults);
-  if (hasAny(table, {CsvRole::kFeature}) && artifact == nullptr)
+  settleRedundant(context, layout, form, faults);
+  if (hasAny(form, {CsvRole::kFeature}) && context.artifact == nullptr)
     faults.add(faults.place() +
                "the file names features; give the artifact that defines them, with --artifact");
-  if (!hasAny(table, {CsvRole::kFeature, CsvRole::kReference, CsvRole::kDeviation, CsvRole::kMeasured}))
-    onlyFeature(layout, samples, machine, artifact, table, faults);
-  if (!hasAny(table, {CsvRole::kPosition}) && faults.empty() && table.form.fixed.empty())
+  if (!hasAny(form, {CsvRole::kFeature, CsvRole::kReference, CsvRole::kDeviation, CsvRole::kMeasured}))
+    onlyFeature(context, layout, samples, form, faults);
+  if (!hasAny(form, {CsvRole::kPosition}) && faults.empty() && form.fixed.empty())
     faults.add(
         faults.place() + "no column is a reading of a joint of this machine (" + jointNames(machine) + ")",
         {0, machine.joints().front().name + "_mm", ""});
-  if (!hasAny(table, {CsvRole::kTime, CsvRole::kDate}))
-    table.notes.push_back("no time column: rows are taken in their order; no effect of time can be told");
+  if (!hasAny(form, {CsvRole::kTime, CsvRole::kDate}))
+    context.note("no time column: rows are taken in their order; no effect of time can be told");
 }
 
 }  // namespace mm
