@@ -46,27 +46,21 @@ std::optional<Unit> unitByRange(const ColumnSample& sample, const Meaning& m, co
   return only;
 }
 
-/// How the times of a column are counted.
-struct TimeUnit {
-  Unit unit;
-  bool since1970 = false;
-};
-
 /// Of a column of numbers: by the unit that is said (empty: none), else by its range where the numbers count
-/// from 1970. Nothing where the text is no unit of time, or where there is none and the range does not tell.
-std::optional<TimeUnit> timeUnit(const ColumnSample& sample, const std::string& said) {
+/// from 1970. False where the text is no unit of time, or where there is none and the range does not tell.
+bool timeUnit(const ColumnSample& sample, const std::string& said, TimeColumn& time) {
   constexpr double kEarliest = 1e9, kLatest = 4e9;  // s since 1970: from 2001 to 2096
-  const auto unit = parseUnit(said, UnitKind::kTime);
-  if (!said.empty() && !unit) return std::nullopt;
-  std::optional<TimeUnit> found;
-  if (unit) found = TimeUnit{*unit, false};
+  std::optional<Unit> found = parseUnit(said, UnitKind::kTime);
+  if (!said.empty() && !found) return false;
   for (const char* part : {"s", "ms", "us", "ns"}) {
     const auto counted = parseUnit(part, UnitKind::kTime);
     const double first = sample.lower * counted->factor, last = sample.upper * counted->factor;
-    if (first < kEarliest || last > kLatest || (unit && unit->symbol != part)) continue;
-    found = TimeUnit{*counted, true};
+    if (first < kEarliest || last > kLatest || (!said.empty() && found->symbol != part)) continue;
+    found = counted;
+    time.since1970 = true;
   }
-  return found;
+  if (found) time.factor = found->factor, time.unit = found->symbol;
+  return found.has_value();
 }
 
 /// 11/21/2026: which comes first is seen where a day is above 12, else it is asked for.
@@ -90,14 +84,11 @@ void numbers(std::size_t i, const ColumnSample& s, const TableLayout& layout, co
   const std::string text = !said.empty() ? said : !layout.units[i].empty() ? layout.units[i] : s.suffix;
   if (!said.empty()) time.from = "header";
   if (said.empty() && layout.unitsLine > 0) time.from = "line " + std::to_string(layout.unitsLine);
-  const auto unit = timeUnit(s, text);
-  if (unit) {
+  if (timeUnit(s, text, time)) {
     if (text.empty()) time.from = "its range: since 1970";
-    time.factor = unit->unit.factor;
-    time.unit = unit->unit.symbol;
-    time.since1970 = unit->since1970;
   } else if (!text.empty()) {
-    faults.add(i, "is in '" + shownText(text) + "', but time is " + unitsOf(UnitKind::kTime), "time_s");
+    faults.add(i, "is in '" + shownText(text) + "', but time is " + factsOf(UnitKind::kTime).inWords,
+               "time_s");
   } else {
     time.unit = "s";
     time.from = "assumed";
@@ -129,7 +120,7 @@ std::optional<Unit> unitOfColumn(const ColumnPlace& place, const Meaning& m, con
     if (!unit)
       faults.add(column,
                  "is in '" + shownText(text) + "'" + where + ", but " + shownText(meaningText(m, machine)) +
-                     " is " + unitsOf(*m.kind),
+                     " is " + factsOf(*m.kind).inWords,
                  exampleOf(m, machine));
     return unit;
   }
@@ -145,7 +136,7 @@ std::optional<Unit> unitOfColumn(const ColumnPlace& place, const Meaning& m, con
   faults.add(column,
              "(" + shownText(meaningText(m, machine)) + format(", %.6g … %.6g", sample.lower, sample.upper) +
                  ") has no unit, and its values do not reveal it",
-             exampleOf(m, machine), " (or another unit: " + unitsOf(*m.kind) + ")");
+             exampleOf(m, machine), " (or another unit: " + factsOf(*m.kind).inWords + ")");
   return std::nullopt;
 }
 

@@ -10,16 +10,6 @@
 namespace mm {
 namespace {
 
-const std::vector<std::string>& unitsToChoose(UnitKind kind) {
-  static const std::map<UnitKind, std::vector<std::string>> kUnits = {
-      {UnitKind::kLength, {"mm", "um", "inch", "m"}},  {UnitKind::kAngle, {"deg", "arcsec", "rad"}},
-      {UnitKind::kTime, {"s", "ms", "min"}},           {UnitKind::kTemperature, {"degC", "K", "degF"}},
-      {UnitKind::kSpeed, {"mm_s", "mm_min", "m_min"}}, {UnitKind::kTurning, {"deg_s", "rad_s", "rpm"}}};
-  static const std::vector<std::string> kNone;
-  const auto found = kUnits.find(kind);
-  return found == kUnits.end() ? kNone : found->second;
-}
-
 void once(std::vector<std::string>& list, const std::string& text) {
   if (std::find(list.begin(), list.end(), text) == list.end()) list.push_back(text);
 }
@@ -33,7 +23,7 @@ std::vector<std::string> likelyColumns(const std::string& suggested) {
         split.stem.rfind("error", 0) == 0 || split.stem.rfind("deviation", 0) == 0)
       once(likely, sign + suggested.substr(at));
   const auto unit = parseUnit(split.unitText);
-  for (const std::string& other : unit ? unitsToChoose(unit->kind) : std::vector<std::string>())
+  for (const std::string& other : unit ? factsOf(unit->kind).choices : std::vector<std::string>())
     if (suggested.size() > split.unitText.size())
       once(likely, suggested.substr(0, suggested.size() - split.unitText.size()) + other);
   once(likely, "ignore");
@@ -75,7 +65,7 @@ std::vector<ColumnChoice> columnChoices(const Machine& machine) {
     const std::string name = exampleOf(meaning, machine);
     const std::string own = meaning.kind ? splitUnit(name).unitText : "";
     if (own.empty()) return choices.push_back({name, words, group});
-    for (const std::string& unit : unitsToChoose(*meaning.kind)) {
+    for (const std::string& unit : factsOf(*meaning.kind).choices) {
       const auto read = parseUnit(unit, meaning.kind);
       choices.push_back({name.substr(0, name.size() - own.size()) + unit,
                          words + ", " + (read ? read->symbol : unit), group});

@@ -191,7 +191,7 @@ class PositioningReader {
     const auto targets = parseUnit(unitOfTargets(), kind_);
     if (!targets) {
       context_.refuse("the targets are in '" + shownText(unitOfTargets()) + "', but they are " +
-                      unitsOf(kind_) + "; write the unit after the name: Target [" +
+                      factsOf(kind_).inWords + "; write the unit after the name: Target [" +
                       (linear_ ? "mm]" : "deg]"));
       return false;
     }

@@ -73,7 +73,7 @@ bool RecordTable::number(const std::vector<std::string>& keys, const std::string
   const auto read = parseUnit(!behind.empty() ? behind : !said.unitText.empty() ? said.unitText : unit, kind);
   if (!read || (!parseNumber(digits, false, value) && !parseNumber(digits, true, value))) {
     context_.refuse("'" + shownText(said.key) + "' is '" + shownText(said.text) + "', but must be " +
-                    unitsOf(kind) + "; " + context_.ask(mapped, "<number>"));
+                    factsOf(kind).inWords + "; " + context_.ask(mapped, "<number>"));
     return false;
   }
   value *= read->factor;
@@ -122,7 +122,7 @@ double RecordTable::value(const Row& row, int column, UnitKind kind, std::string
   if (!unit) {
     refuseHead("column '" + shownText(name) +
                (unitText.empty() ? "' has no unit" : "' is in '" + shownText(unitText) + "'") +
-               ", but it is " + unitsOf(kind) + "; write the unit in brackets after the name, or " +
+               ", but it is " + factsOf(kind).inWords + "; write the unit in brackets after the name, or " +
                context_.ask("unit", kind == UnitKind::kLength ? "um" : "deg"));
     return kNotMeasured;
   }

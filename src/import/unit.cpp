@@ -86,24 +86,16 @@ std::optional<Unit> parseUnit(std::string_view text, std::optional<UnitKind> kin
   return std::nullopt;
 }
 
-std::string unitsOf(UnitKind kind) {
-  switch (kind) {
-    case UnitKind::kLength:
-      return "a length (mm, um, m, inch)";
-    case UnitKind::kAngle:
-      return "an angle (deg, rad, mrad, arcmin, arcsec)";
-    case UnitKind::kTime:
-      return "a time (s, ms, us, ns, min, h)";
-    case UnitKind::kTemperature:
-      return "a temperature (degC, K, degF)";
-    case UnitKind::kSpeed:
-      return "a speed (mm/s, mm/min, m/s, inch/s)";
-    case UnitKind::kTurning:
-      return "a turning speed (deg/s, rad/s, rpm)";
-    case UnitKind::kOther:
-      break;
-  }
-  return "a unit";
+const UnitKindFacts& factsOf(UnitKind kind) {
+  static const UnitKindFacts kFacts[] = {
+      {"a length (mm, um, m, inch)", {"mm", "um", "inch", "m"}},
+      {"an angle (deg, rad, mrad, arcmin, arcsec)", {"deg", "arcsec", "rad"}},
+      {"a time (s, ms, us, ns, min, h)", {"s", "ms", "min"}},
+      {"a temperature (degC, K, degF)", {"degC", "K", "degF"}},
+      {"a speed (mm/s, mm/min, m/s, inch/s)", {"mm_s", "mm_min", "m_min"}},
+      {"a turning speed (deg/s, rad/s, rpm)", {"deg_s", "rad_s", "rpm"}},
+      {"a unit", {}}};
+  return kFacts[static_cast<std::size_t>(kind)];
 }
 
 }  // namespace mm

@@ -2,6 +2,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace mm {
 
@@ -26,7 +27,11 @@ struct Unit {
 /// @param kind what it must be, where a symbol means two things (m, ", ').
 std::optional<Unit> parseUnit(std::string_view text, std::optional<UnitKind> kind = std::nullopt);
 
-/// "a length (mm, um, m, inch …)": for messages.
-std::string unitsOf(UnitKind kind);
+/// What people are told of a kind of unit.
+struct UnitKindFacts {
+  std::string inWords;               // "a length (mm, um, m, inch)"
+  std::vector<std::string> choices;  // as a column's name ends with them: mm, mm_s; the likeliest first
+};
+const UnitKindFacts& factsOf(UnitKind kind);  ///< by the order of UnitKind
 
 }  // namespace mm
