@@ -47,26 +47,33 @@ bool after(const std::string& line, const std::string& name, double& value) {
   return parseNumber(line.substr(begin, end - begin), false, value);
 }
 
-std::vector<Touch> klipperTouches(const TextFile& file) {
+/// The touches that a log tells, a line each. @param told fills one from a line; false: it tells of none.
+template <typename Told>
+std::vector<Touch> touchesOf(const TextFile& file, const Told& told) {
   std::vector<Touch> touches;
-  double speed = kNotMeasured;
   for (std::size_t n = 1; n <= file.lines().size(); ++n) {
     const std::string line(file.lines()[n - 1]);
-    if (line.find("PROBE_ACCURACY") != std::string::npos) {
-      speed = kNotMeasured;
-      after(line, " speed", speed);
-    }
-    const std::size_t at = line.find("probe at ");
     Touch t;
-    if (at == std::string::npos ||
-        std::sscanf(line.c_str() + at, "probe at %lf,%lf is z=%lf", &t.x, &t.y, &t.z) != 3)
-      continue;
     t.line = n;
-    t.speed = speed;
+    if (!told(line, t)) continue;
     stamp(line, t);
     touches.push_back(t);
   }
   return touches;
+}
+
+std::vector<Touch> klipperTouches(const TextFile& file) {
+  double speed = kNotMeasured;
+  return touchesOf(file, [&](const std::string& line, Touch& t) {
+    if (line.find("PROBE_ACCURACY") != std::string::npos) {
+      speed = kNotMeasured;
+      after(line, " speed", speed);
+    }
+    t.speed = speed;
+    const std::size_t at = line.find("probe at ");
+    return at != std::string::npos &&
+           std::sscanf(line.c_str() + at, "probe at %lf,%lf is z=%lf", &t.x, &t.y, &t.z) == 3;
+  });
 }
 
 /// The meshes that SAVE_CONFIG leaves in printer.cfg, behind `#*#`: rows from min_y up, from min_x on.
@@ -104,14 +111,11 @@ std::vector<Touch> savedMesh(const TextFile& file) {
       continue;
     }
     if (!inMesh || line.empty()) continue;
-    std::string key, value;
-    const std::size_t equals = line.find('=');
-    if (equals != std::string_view::npos) {
-      key = std::string(trim(line.substr(0, equals)));
-      value = std::string(trim(line.substr(equals + 1)));
+    if (const std::size_t equals = line.find('='); equals != std::string_view::npos) {
+      const std::string key(trim(line.substr(0, equals)));
       inPoints = key == "points";
       double number = 0.0;
-      if (parseNumber(value, false, number)) keys[key] = number;
+      if (parseNumber(line.substr(equals + 1), false, number)) keys[key] = number;
       continue;
     }
     if (!inPoints) continue;
@@ -123,14 +127,9 @@ std::vector<Touch> savedMesh(const TextFile& file) {
 }
 
 std::vector<Touch> marlinTouches(const TextFile& file, bool& placeUnknown) {
-  std::vector<Touch> touches;
   double x = kNotMeasured, y = kNotMeasured;
   placeUnknown = false;
-  for (std::size_t n = 1; n <= file.lines().size(); ++n) {
-    const std::string line(file.lines()[n - 1]);
-    Touch t;
-    t.line = n;
-    stamp(line, t);
+  return touchesOf(file, [&](const std::string& line, Touch& t) {
     if (const std::size_t at = line.find("M48 ");
         at != std::string::npos && line.find("Repeatability") == std::string::npos) {
       x = y = kNotMeasured;
@@ -139,21 +138,19 @@ std::vector<Touch> marlinTouches(const TextFile& file, bool& placeUnknown) {
     }
     if (const std::size_t at = line.find("Bed X:"); at != std::string::npos) {
       const std::string rest = line.substr(at + 4);
-      if (after(rest, "X:", t.x) && after(rest, "Y:", t.y) && after(rest, "Z:", t.z)) touches.push_back(t);
-      continue;
+      return after(rest, "X:", t.x) && after(rest, "Y:", t.y) && after(rest, "Z:", t.z);
     }
     int index = 0, of = 0;
     const std::size_t sample = line.find(" of ");
-    if (sample == std::string::npos || line.find("mean:") == std::string::npos) continue;
+    if (sample == std::string::npos || line.find("mean:") == std::string::npos) return false;
     const std::size_t begin = line.find_last_not_of("0123456789", sample - (sample > 0 ? 1 : 0));
     const std::string text = line.substr(begin == std::string::npos ? 0 : begin + 1);
-    if (std::sscanf(text.c_str(), "%d of %d: z: %lf", &index, &of, &t.z) != 3) continue;
+    if (std::sscanf(text.c_str(), "%d of %d: z: %lf", &index, &of, &t.z) != 3) return false;
     t.x = x;
     t.y = y;
     placeUnknown = placeUnknown || std::isnan(x) || std::isnan(y);
-    touches.push_back(t);
-  }
-  return touches;
+    return true;
+  });
 }
 
 class BedSession {
