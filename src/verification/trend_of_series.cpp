@@ -38,19 +38,20 @@ class SegmentSums {
     const double sum = wy_[b] - wy_[a];
     return std::max(0.0, wyy_[b] - wyy_[a] - sum * sum / weight(a, b));
   }
-  /// The same of [a, i) and [j, b) with one level.
-  double weightAround(std::size_t a, std::size_t i, std::size_t j, std::size_t b) const {
-    return weight(a, b) - weight(i, j);
+  /// The same of all but [i, j), with one level.
+  double weightAround(std::size_t i, std::size_t j) const {
+    return j == end() ? w_[i] : w_[end()] - weight(i, j);
   }
-  double levelAround(std::size_t a, std::size_t i, std::size_t j, std::size_t b) const {
-    return origin_ + (wy_[b] - wy_[a] - wy_[j] + wy_[i]) / weightAround(a, i, j, b);
+  double levelAround(std::size_t i, std::size_t j) const {
+    return origin_ + (wy_[end()] - wy_[j] + wy_[i]) / weightAround(i, j);
   }
-  double chi2Around(std::size_t a, std::size_t i, std::size_t j, std::size_t b) const {
-    const double sum = wy_[b] - wy_[a] - wy_[j] + wy_[i];
-    return std::max(0.0, wyy_[b] - wyy_[a] - wyy_[j] + wyy_[i] - sum * sum / weightAround(a, i, j, b));
+  double chi2Around(std::size_t i, std::size_t j) const {
+    const double sum = wy_[end()] - wy_[j] + wy_[i];
+    return std::max(0.0, wyy_[end()] - wyy_[j] + wyy_[i] - sum * sum / weightAround(i, j));
   }
 
  private:
+  std::size_t end() const { return w_.size() - 1; }
   std::vector<double> w_, wy_, wyy_;
   double origin_;
 };
@@ -246,21 +247,16 @@ class TrendSearch {
     for (const TrendPoint& p : part) sum += std::log(p.std * p.std + scatter);
     return sum + unknowns * std::log(static_cast<double>(part.size()));
   }
-  static Contrast stepAt(const SegmentSums& sums, std::size_t k, std::size_t end) {
-    return {sums.level(k, end) - sums.level(0, k), 1.0 / sums.weight(0, k) + 1.0 / sums.weight(k, end),
-            sums.chi2(0, k) + sums.chi2(k, end)};
-  }
-  static Contrast bumpAt(const SegmentSums& sums, std::size_t i, std::size_t j, std::size_t end) {
-    return {sums.level(i, j) - sums.levelAround(0, i, j, end),
-            1.0 / sums.weight(i, j) + 1.0 / sums.weightAround(0, i, j, end),
-            sums.chi2(i, j) + sums.chi2Around(0, i, j, end)};
+  /// The points [i, j) against all others: a step where they are the last ones.
+  static Contrast contrast(const SegmentSums& sums, std::size_t i, std::size_t j) {
+    return {sums.level(i, j) - sums.levelAround(i, j),
+            1.0 / sums.weight(i, j) + 1.0 / sums.weightAround(i, j), sums.chi2(i, j) + sums.chi2Around(i, j)};
   }
 
   /// The place where the hypothesis stands out most, with the scatter about it: in turns until neither moves.
-  /// @param places calls its argument with each (at, back). @param contrast of sums and a place.
-  template <class Places, class ContrastAt>
-  Candidate bestPlace(const Points& part, double families, double unknowns, const Places& places,
-                      const ContrastAt& contrast) const {
+  /// @param places calls its argument with each (at, back).
+  template <class Places>
+  Candidate bestPlace(const Points& part, double families, double unknowns, const Places& places) const {
     Candidate best;
     const double dof = static_cast<double>(part.size()) - 2.0;
     best.scatter = allStated(part) ? 0.0 : levelScatter(part);
@@ -296,25 +292,21 @@ class TrendSearch {
   Candidate bestStep(const Points& part, double families) const {
     if (part.size() < kFewestForStep) return {};
     const std::size_t end = part.size(), least = shortest(part);
-    return bestPlace(
-        part, families, 3.0,  // two levels and the place
-        [&](const auto& visit) {
-          for (std::size_t k = least; k + least <= end; ++k) visit(k, end);
-        },
-        [&](const SegmentSums& sums, std::size_t k, std::size_t) { return stepAt(sums, k, end); });
+    constexpr double kUnknowns = 3.0;  // two levels and the place
+    return bestPlace(part, families, kUnknowns, [&](const auto& visit) {
+      for (std::size_t k = least; k + least <= end; ++k) visit(k, end);
+    });
   }
 
   /// Two steps of which the second takes the first back: neither of them alone may show.
   Candidate bestBump(const Points& part, double families) const {
     if (!asksBump(part)) return {};
     const std::size_t end = part.size(), least = shortest(part);
-    return bestPlace(
-        part, families, 4.0,  // two levels and two places
-        [&](const auto& visit) {
-          for (std::size_t i = least; i + 2 * least <= end; ++i)
-            for (std::size_t j = i + least; j + least <= end; ++j) visit(i, j);
-        },
-        [&](const SegmentSums& sums, std::size_t i, std::size_t j) { return bumpAt(sums, i, j, end); });
+    constexpr double kUnknowns = 4.0;  // two levels and two places
+    return bestPlace(part, families, kUnknowns, [&](const auto& visit) {
+      for (std::size_t i = least; i + 2 * least <= end; ++i)
+        for (std::size_t j = i + least; j + least <= end; ++j) visit(i, j);
+    });
   }
 
   Candidate driftOf(const Points& part, double families) const {
