@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 
+#include "base/erase_if.h"
 #include "base/error.h"
 #include "base/format.h"
 #include "base/median.h"
@@ -163,9 +164,7 @@ std::vector<std::vector<std::size_t>> runsOf(const std::vector<std::size_t>& mem
     if (i == 0 || members[i] != members[i - 1] + 1) runs.emplace_back();
     runs.back().push_back(members[i]);
   }
-  runs.erase(std::remove_if(runs.begin(), runs.end(),
-                            [&](const auto& run) { return static_cast<double>(run.size()) < fewest; }),
-             runs.end());
+  eraseIf(runs, [&](const auto& run) { return static_cast<double>(run.size()) < fewest; });
   return runs;
 }
 

@@ -91,8 +91,8 @@ bool isOfTheMachine(const Effect& effect, const Domain& domain) {
 
 FreshPoints::FreshPoints(const Session& session, const Calibration& calibration,
                          const CalibrateOptions& options, int factor, const Eigen::VectorXd& weights,
-                         TablesAdd tables, TablesAdd offsets)
-    : tables_(std::move(tables)), offsetsAdd_(std::move(offsets)) {
+                         const LoadedExport* exported)
+    : exported_(exported) {
   checkMachine(calibration, session);
   sort(calibration, modelOf(calibration));
   fit(session, calibration, options, factor, weights);
@@ -190,7 +190,7 @@ void FreshPoints::fillColumns(const Calibration& calibration) {
 
 Eigen::VectorXd FreshPoints::takenAway(const State& state,
                                        const std::vector<std::vector<double>>& values) const {
-  if (tables_) return -tables_(state);
+  if (tabled()) return -exported_->adds(state);
   const Model& model = space_->linearisation().problem().model();
   const int size = model.machine().layout().size();
   Eigen::VectorXd slots = Eigen::VectorXd::Zero(size);
@@ -211,7 +211,7 @@ void FreshPoints::fillAxes(const Eigen::MatrixXd& change) {
       axisJoints_.push_back(j);
       axes_.push_back(machine.joints()[static_cast<std::size_t>(j)].name);
     }
-  if (!fillOffsets() && axes_.empty() && tables_)
+  if (!fillOffsets() && axes_.empty() && tabled())
     throw InputError(
         problem.session().source +
         ": the tables add nothing at these points, so there is nothing to verify; mm plan verify selects "
@@ -233,9 +233,9 @@ bool FreshPoints::fillOffsets() {
   const Problem& problem = at.problem();
   const ErrorLayout layout = problem.model().machine().layout();
   Eigen::MatrixXd column = Eigen::MatrixXd::Zero(problem.rowCount(), 1);
-  if (offsetsAdd_)
+  if (hasOffsets())
     for (int o = 0; o < static_cast<int>(problem.session().observations.size()); ++o) {
-      const Eigen::VectorXd added = offsetsAdd_(problem.state(o));
+      const Eigen::VectorXd added = exported_->offsetsAdd(problem.state(o));
       for (int row = problem.firstRow(o); row < problem.firstRow(o + 1); ++row)
         for (Eigen::Index j = 0; j < added.size(); ++j)
           column(row, 0) -= at.slotGradients()(row, layout.axis(static_cast<int>(j))) * added[j];

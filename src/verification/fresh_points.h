@@ -1,6 +1,5 @@
 #pragma once
 #include <Eigen/Core>
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -8,6 +7,7 @@
 #include "calibration_file/calibration.h"
 #include "estimation/residual_space.h"
 #include "session/session.h"
+#include "verification/loaded_export.h"
 
 namespace mm {
 
@@ -17,10 +17,6 @@ struct MisplacedTable {
   Eigen::VectorXd column;  // length rows: what the table says, as an error of the axis `on`
 };
 
-/// What the tables of a controller, or the offsets beside them, add to its joints at a state, m or rad a
-/// joint.
-using TablesAdd = std::function<Eigen::VectorXd(const State& state)>;
-
 /// What the points of a fresh session could show of a calibration's correction: the residuals of the raw
 /// readings, and a column for each way in which the correction enters them. The effects of the probe and of
 /// the artifact are applied throughout with the calibration's values: no controller corrects them. Rows are
@@ -29,13 +25,13 @@ using TablesAdd = std::function<Eigen::VectorXd(const State& state)>;
 class FreshPoints {
  public:
   /// Linearises where the machine's effects are `factor` of the calibration's values, which should be near
-  /// to what the readings show. @param session, calibration must outlive it. @param weights a data row: 0
-  /// leaves it out; empty: all. @param tables what the controller adds where it was given less than the whole
-  /// correction; empty: all of it. @param offsets what external offsets add beside these tables; empty: there
-  /// are none. @throw InputError: another machine; the calibration corrects nothing of the machine, or
-  /// neither tables nor offsets add anything at these points. NumericalError: too few points.
+  /// to what the readings show. @param session, calibration, exported must outlive it. @param weights a data
+  /// row: 0 leaves it out; empty: all. @param exported what the controller adds where it was given less than
+  /// the whole correction; null: all of it. @throw InputError: another machine; the calibration corrects
+  /// nothing of the machine, or neither tables nor offsets add anything at these points. NumericalError: too
+  /// few points.
   FreshPoints(const Session& session, const Calibration& calibration, const CalibrateOptions& options,
-              int factor, const Eigen::VectorXd& weights = {}, TablesAdd tables = {}, TablesAdd offsets = {});
+              int factor, const Eigen::VectorXd& weights = {}, const LoadedExport* exported = nullptr);
 
   const CalibrationResult& fitted() const { return *fitted_; }               ///< at the factor
   const ResidualSpace& space() const { return *space_; }                     ///< of `fitted`
@@ -47,9 +43,9 @@ class FreshPoints {
 
   const Eigen::VectorXd& raw() const { return raw_; }            ///< to be explained: the machine uncorrected
   const Eigen::MatrixXd& byEffect() const { return byEffect_; }  ///< each effect at its calibrated size
-  Eigen::VectorXd whole() const { return byEffect_.rowwise().sum(); }  ///< all of them
-  bool tabled() const { return static_cast<bool>(tables_); }           ///< tables were named
-  bool hasOffsets() const { return static_cast<bool>(offsetsAdd_); }   ///< external offsets were named
+  Eigen::VectorXd whole() const { return byEffect_.rowwise().sum(); }      ///< all of them
+  bool tabled() const { return exported_ != nullptr; }                     ///< tables were named
+  bool hasOffsets() const { return tabled() && exported_->hasOffsets(); }  ///< external offsets were named
   /// What the external offsets say, of all axes together; 0 where there are none.
   const Eigen::VectorXd& offsets() const { return offsets_; }
   /// What nothing corrects: of the whole correction, beyond that of every axis and of the offsets.
@@ -85,7 +81,7 @@ class FreshPoints {
   /// A column of what the external offsets say. @return whether they add anything.
   bool fillOffsets();
 
-  TablesAdd tables_, offsetsAdd_;
+  const LoadedExport* exported_;
   std::unique_ptr<CalibrationResult> fitted_;
   std::unique_ptr<ResidualSpace> space_;
   std::vector<EffectPtr> machineEffects_, measuringEffects_;

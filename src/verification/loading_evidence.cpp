@@ -249,7 +249,7 @@ Eigen::MatrixXd covarianceOf(const FreshPoints& points, const Calibration& calib
 }
 
 Decision decide(const FreshPoints& points, const PointSystem& system, const Calibration& calibration,
-                bool loaded, Rivals& rivals) {
+                bool loaded) {
   const LoadingEvidence evidence(points, system, calibration);
   std::vector<char> seen;
   for (int a = 0; a < static_cast<int>(points.axes().size()); ++a)
@@ -280,11 +280,11 @@ Decision decide(const FreshPoints& points, const PointSystem& system, const Cali
   decision.changed = changesOf(best).effects;
   decision.unexplainedPValue = changesOf(best).unexplainedPValue;
   decision.hypothesis = all[best];
+  constexpr std::size_t kMostRivals = 4;
   for (const std::size_t h : orderOf(scores))
-    if (anySeen && h != best && scores[best] - scores[h] < kNotExcluded) {
-      rivals.rivals.push_back(all[h]);
-      rivals.odds.push_back(std::exp(scores[h] - scores[best]));
-    }
+    if (anySeen && h != best && scores[best] - scores[h] < kNotExcluded &&
+        decision.rivals.size() < kMostRivals)
+      decision.rivals.push_back({inWords(all[h], points.axes(), loaded), std::exp(scores[h] - scores[best])});
   return decision;
 }
 

@@ -52,16 +52,10 @@ class LoadingEvidence {
 /// noise of these points where that is larger: RMS, m (rad where it has no residuals in m).
 double leftUnexplained(const FreshPoints& points, const PointSystem& system, const Calibration& calibration);
 
-/// Explanations that the points do not exclude, beside the one that they speak for.
-struct Rivals {
-  std::vector<LoadedHow> rivals;  // best first
-  std::vector<double> odds;       // of these, against the best
-};
-
 /// Which hypothesis the points speak for. @param calibration whose correction it is. @param loaded see
-/// VerifyOptions. @param rivals is filled.
+/// VerifyOptions.
 Decision decide(const FreshPoints& points, const PointSystem& system, const Calibration& calibration,
-                bool loaded, Rivals& rivals);
+                bool loaded);
 
 /// The shares that remain, by the axes, by the effects, and across the axes, under the hypothesis's freedom:
 /// least squares of the raw readings on the columns. Fills axes, effects and crossed of `found`.

@@ -26,15 +26,11 @@ bool isLinear(const FreshPoints& points) {
 /// Linearised where the readings are: with nothing corrected, as calibrated, or to the other side.
 std::unique_ptr<FreshPoints> nearestPoints(const Session& session, const Calibration& calibration,
                                            const VerifyOptions& options, const Eigen::VectorXd& weights) {
-  TablesAdd tables, offsets;
-  if (options.exported) tables = [&](const State& state) { return options.exported->adds(state); };
-  if (options.exported && options.exported->hasOffsets())
-    offsets = [&](const State& state) { return options.exported->offsetsAdd(state); };
   const auto at = [&](int factor) {
     if (options.calibrate.cancelled && options.calibrate.cancelled())
       throw Cancelled("stopped before the points were judged; nothing was changed");
-    return std::make_unique<FreshPoints>(session, calibration, options.calibrate, factor, weights, tables,
-                                         offsets);
+    return std::make_unique<FreshPoints>(session, calibration, options.calibrate, factor, weights,
+                                         options.exported.get());
   };
   std::unique_ptr<FreshPoints> best = at(options.loaded ? 0 : 1);
   std::vector<int> others = {options.loaded ? 1 : 0};
@@ -118,8 +114,7 @@ Verification verify(const Session& session, const Calibration& calibration, cons
     points = nearestPoints(session, calibration, options, weights);
     system = std::make_unique<PointSystem>(*points, calibration);
   }
-  Rivals rivals;
-  static_cast<Decision&>(found) = decide(*points, *system, calibration, options.loaded, rivals);
+  static_cast<Decision&>(found) = decide(*points, *system, calibration, options.loaded);
   const ComparedFigures figures = beforeAndAfter(*points, *system, found.hypothesis, options.loaded);
   static_cast<BeforeAndAfter&>(found) = figures;
   found.loaded = options.loaded;
@@ -136,8 +131,6 @@ Verification verify(const Session& session, const Calibration& calibration, cons
     found.notCarried = rmsOf(*points, points->rest())[0];
   }
   found.verdict = verdictOf(found, figures.improvement);
-  for (std::size_t r = 0; r < rivals.rivals.size() && r < 4; ++r)
-    found.rivals.push_back({inWords(rivals.rivals[r], points->axes(), options.loaded), rivals.odds[r]});
   found.inWords = sentenceOf(found);
   return found;
 }

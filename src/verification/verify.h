@@ -79,6 +79,7 @@ struct Decision {
   bool drifted = false;                         // more is wrong than any way of loading explains
   std::vector<ChangedEffect> changed;           // since the calibration, most certain first
   double unexplainedPValue = 1.0;               // of what is left after all this: chance
+  std::vector<VerifyRival> rivals;              // best first, at most four
 };
 
 /// RMS before and after the correction.
@@ -111,7 +112,6 @@ struct Verification : Decision, BeforeAndAfter {
   std::vector<RemainingOfAxis> axes;
   std::vector<RemainingOfEffect> effects;
   std::vector<CrossedShare> crossed;  // those that are there, significantly
-  std::vector<VerifyRival> rivals;
   std::vector<Outlier> outliers;  // left out
 };
 

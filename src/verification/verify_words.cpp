@@ -6,7 +6,6 @@
 #include "base/format.h"
 #include "base/quantity_words.h"
 #include "base/text.h"
-#include "base/units.h"
 #include "effects/effect_words.h"
 
 namespace mm {
@@ -39,14 +38,14 @@ std::string stateInWords(AxisState state, bool loaded, bool several) {
 
 /// "9.81 -> 0.42 um at 50 fresh points (k = 2: ±0.31, ±0.06)"
 std::string figuresInWords(const Verification& v) {
-  const double unit = v.angular ? kArcsecond : kMicrometre;
+  const double unit = unitOf(v.angular);
   const auto digits = [&](const Figure& f) {
     const double wide = 2.0 * f.std / unit;
     return wide > 0.0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(wide))), 0, 4) : 3;
   };
   const int places = std::min(3, std::max(digits(v.before), digits(v.after)));
   return format("%.*f -> %.*f %s at %d fresh points (k = 2: ±%.*f, ±%.*f)", places, v.before.rms / unit,
-                places, v.after.rms / unit, v.angular ? "arcsec" : "um", v.observations, places,
+                places, v.after.rms / unit, nameOfUnit(v.angular).c_str(), v.observations, places,
                 2.0 * v.before.std / unit, places, 2.0 * v.after.std / unit);
 }
 
@@ -128,11 +127,11 @@ std::string causeInWords(const Verification& v, const std::vector<std::string>& 
 }
 
 std::string moreLeftInWords(const Verification& v) {
-  const double unit = v.angular ? kArcsecond : kMicrometre;
+  const double unit = unitOf(v.angular);
   return format(
       "; but %.3g %s remain, while the calibration left %.3g in its own session (held out): the machine may "
       "have changed, or be less repeatable; mm diagnose shows what is new",
-      v.unforeseen / unit, v.angular ? "arcsec" : "um", v.calibratedRms / unit);
+      v.unforeseen / unit, nameOfUnit(v.angular).c_str(), v.calibratedRms / unit);
 }
 
 std::string headOf(const Verification& v, const std::vector<std::string>& names) {
@@ -169,8 +168,8 @@ std::string notCarriedInWords(const Verification& v) {
     if (effect.notCarried > kMostly && effect.size > kNothing * v.noise)
       effects.push_back(inWords(effect.effect));
   return std::string("; the tables ") + (v.offsets ? "and offsets " : "") + "for " + v.target +
-         format(" do not carry %.3g %s of it", v.notCarried / (v.angular ? kArcsecond : kMicrometre),
-                v.angular ? "arcsec" : "um") +
+         format(" do not carry %.3g %s of it", v.notCarried / unitOf(v.angular),
+                nameOfUnit(v.angular).c_str()) +
          (effects.empty() ? "" : " (" + list(effects) + ")") + ", which is not drift";
 }
 
