@@ -9,66 +9,6 @@
 namespace mm {
 namespace {
 
-struct TestRow {
-  PlanTest test;
-  void (*write)(TestSheet&);
-};
-
-const std::vector<TestRow>& testRows() {
-  static const std::vector<TestRow> rows = {
-      {{"positioning",
-        "ISO 230-2: positioning of each axis",
-        "an interferometer along each linear axis; a polygon and an autocollimator at each rotary one",
-        {11, 5, 0.0, 0.0},
-        5},
-       writePositioning},
-      {{"etve",
-        "ISO 230-3, 5: environmental temperature variation error",
-        "displacement sensors at one place",
-        {0, 0, 24.0, 5.0}},
-       writeEtve},
-      {{"spindle",
-        "ISO 230-3, 6: thermal distortion by a rotating spindle",
-        "displacement sensors at a mandrel; the speed of the spindle as a covariate in rpm",
-        {0, 0, 4.0, 5.0}},
-       writeSpindle},
-      {{"linear",
-        "ISO 230-3, 7: thermal distortion by moving linear axes",
-        "an interferometer or a linear comparator along each linear axis",
-        {0, 0, 4.0, 5.0}},
-       writeLinear},
-      {{"rotary",
-        "ISO 230-3, 8: thermal distortion by moving rotary axes",
-        "displacement sensors at one place",
-        {0, 0, 4.0, 5.0}},
-       writeRotary},
-      {{"circular",
-        "static readings on circles in both senses, evaluated as ISO 230-4; no servo errors",
-        "a grid encoder or a tracker",
-        {36, 1, 0.0, 0.0},
-        12},
-       writeCircular},
-      {{"diagonal",
-        "ISO 230-6: body and face diagonals",
-        "an interferometer along each diagonal",
-        {11, 5, 0.0, 0.0},
-        5},
-       writeDiagonal},
-      {{"rotation",
-        "ISO 230-7: error motion of each rotary axis",
-        "displacement sensors at a ball, or a tracker",
-        {25, 3, 0.0, 0.0},
-        12},
-       writeRotation},
-      {{"length",
-        "ISO 10360-2: five lengths in seven positions, each end from outside",
-        "an interferometer or a gauge along each line",
-        {0, 3, 0.0, 0.0}},
-       writeLength},
-  };
-  return rows;
-}
-
 /// A size as said, or as usual; refused where the test has none.
 template <typename Number>
 Number sized(const PlanTest& test, const char* option, Number said, Number usual) {
@@ -90,20 +30,69 @@ PlanTestSize sizeOf(const PlanTest& test, const PlanTestSize& said) {
 
 }  // namespace
 
-std::vector<PlanTest> planTests() {
-  std::vector<PlanTest> tests;
-  for (const TestRow& row : testRows()) tests.push_back(row.test);
-  return tests;
+const std::vector<PlanTest>& planTests() {
+  static const std::vector<PlanTest> kTests = {
+      {"positioning",
+       "ISO 230-2: positioning of each axis",
+       "an interferometer along each linear axis; a polygon and an autocollimator at each rotary one",
+       {11, 5, 0.0, 0.0},
+       writePositioning,
+       5},
+      {"etve",
+       "ISO 230-3, 5: environmental temperature variation error",
+       "displacement sensors at one place",
+       {0, 0, 24.0, 5.0},
+       writeEtve},
+      {"spindle",
+       "ISO 230-3, 6: thermal distortion by a rotating spindle",
+       "displacement sensors at a mandrel; the speed of the spindle as a covariate in rpm",
+       {0, 0, 4.0, 5.0},
+       writeSpindle},
+      {"linear",
+       "ISO 230-3, 7: thermal distortion by moving linear axes",
+       "an interferometer or a linear comparator along each linear axis",
+       {0, 0, 4.0, 5.0},
+       writeLinear},
+      {"rotary",
+       "ISO 230-3, 8: thermal distortion by moving rotary axes",
+       "displacement sensors at one place",
+       {0, 0, 4.0, 5.0},
+       writeRotary},
+      {"circular",
+       "static readings on circles in both senses, evaluated as ISO 230-4; no servo errors",
+       "a grid encoder or a tracker",
+       {36, 1, 0.0, 0.0},
+       writeCircular,
+       12},
+      {"diagonal",
+       "ISO 230-6: body and face diagonals",
+       "an interferometer along each diagonal",
+       {11, 5, 0.0, 0.0},
+       writeDiagonal,
+       5},
+      {"rotation",
+       "ISO 230-7: error motion of each rotary axis",
+       "displacement sensors at a ball, or a tracker",
+       {25, 3, 0.0, 0.0},
+       writeRotation,
+       12},
+      {"length",
+       "ISO 10360-2: five lengths in seven positions, each end from outside",
+       "an interferometer or a gauge along each line",
+       {0, 3, 0.0, 0.0},
+       writeLength},
+  };
+  return kTests;
 }
 
 std::string testPlan(const std::string& test, const PlanTestSize& said, const Machine& machine,
                      const std::string& name) {
-  for (const TestRow& row : testRows()) {
-    if (row.test.name != test) continue;
-    TestSheet sheet(row.test, machine, sizeOf(row.test, said));
+  for (const PlanTest& one : planTests()) {
+    if (one.name != test) continue;
+    TestSheet sheet(one, machine, sizeOf(one, said));
     sheet.positionsSaid = said.positions != 0;
-    row.write(sheet);
-    return "# " + row.test.standard + ". Needs " + row.test.needs + ".\nname: " + name + "\n" +
+    one.write(sheet);
+    return "# " + one.standard + ". Needs " + one.needs + ".\nname: " + name + "\n" +
            format("speeds: {rapid_mm_s: %.6g, rapid_deg_s: %.6g}\n", sheet.rapid / kMillimetre,
                   sheet.turning / kDegree) +
            sheet.head + sheet.script.yaml();

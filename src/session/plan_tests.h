@@ -14,17 +14,20 @@ struct PlanTestSize {
   double everyMin = 0.0;  // min between readings
 };
 
+struct TestSheet;
+
 /// A test of a standard, which an independent instrument measures.
 struct PlanTest {
-  std::string name;      // of `mm plan new --test`
-  std::string standard;  // "ISO 230-3, 5: environmental temperature variation error"
-  std::string needs;     // the instrument
-  PlanTestSize usual;    // what it has, and how much of it unless said otherwise
-  int fewest = 0;        // positions
+  std::string name;           // of `mm plan new --test`
+  std::string standard;       // "ISO 230-3, 5: environmental temperature variation error"
+  std::string needs;          // the instrument
+  PlanTestSize usual;         // what it has, and how much of it unless said otherwise
+  void (*write)(TestSheet&);  // its moves
+  int fewest = 0;             // positions
 };
 
 /// Those that `testPlan` knows, by standard.
-std::vector<PlanTest> planTests();
+const std::vector<PlanTest>& planTests();
 
 /// The plan of a test as YAML, within the travels of a machine; other joints stand in the middle.
 /// @param test a name of planTests(). @param size what is said of it; 0: as usual. @param name of the plan.
