@@ -25,11 +25,9 @@ double trimmed(std::vector<double> values) {
 /// What is left between points (columns, m), where `from` may be moved if it is free. @param turn gets by how
 /// much it was turned, rad.
 Eigen::Matrix3Xd misfit(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to, bool free, double& turn) {
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
-  if (free) rigidMotion(from, to, rotation, translation);
-  turn = Eigen::AngleAxisd(rotation).angle();
-  return to - ((rotation * from).colwise() + translation);
+  const RigidMotion motion = free ? rigidMotion(from, to) : RigidMotion();
+  turn = Eigen::AngleAxisd(motion.rotation).angle();
+  return to - ((motion.rotation * from).colwise() + motion.translation);
 }
 
 }  // namespace

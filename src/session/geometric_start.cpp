@@ -162,11 +162,10 @@ class Start {
   }
 
   void place(int placement) {
-    GeometricStart::Pose& pose = out_.poses[static_cast<std::size_t>(placement)];
+    RigidMotion& pose = out_.poses[static_cast<std::size_t>(placement)];
     if (session_.poseFree(placement)) {
       const Pairs pairs = pairsOf(placement);
-      if (!pairs.from.empty())
-        rigidMotion(columnsOf(pairs.from), columnsOf(pairs.to), pose.rotation, pose.translation);
+      if (!pairs.from.empty()) pose = rigidMotion(columnsOf(pairs.from), columnsOf(pairs.to));
     }
     for (const Spot& spot : spots_) {
       const auto f = static_cast<std::size_t>(spot.feature);
@@ -256,25 +255,25 @@ void startFreeFeatures(Session& session) {
   }
 }
 
-void rigidMotion(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to, Eigen::Matrix3d& rotation,
-                 Eigen::Vector3d& translation) {
+RigidMotion rigidMotion(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to) {
   const Eigen::Vector3d a = from.rowwise().mean(), b = to.rowwise().mean();
   const Eigen::Vector3d extent =
       Eigen::JacobiSVD<Eigen::Matrix3d>((from.colwise() - a) * (from.colwise() - a).transpose())
           .singularValues();
-  rotation.setIdentity();
+  RigidMotion motion;
   if (extent[1] > kOneLine * extent[0]) {
-    rotation = Eigen::umeyama(from, to, false).topLeftCorner<3, 3>();
+    motion.rotation = Eigen::umeyama(from, to, false).topLeftCorner<3, 3>();
   } else if (from.cols() > 1) {  // on one line: the shortest rotation
     const Eigen::Vector3d u = from.rightCols<1>() - from.leftCols<1>(),
                           v = to.rightCols<1>() - to.leftCols<1>();
-    rotation = Eigen::Quaterniond::FromTwoVectors(u, v).toRotationMatrix();
+    motion.rotation = Eigen::Quaterniond::FromTwoVectors(u, v).toRotationMatrix();
   }
-  translation = b - rotation * a;
+  motion.translation = b - motion.rotation * a;
+  return motion;
 }
 
 Eigen::Vector3d GeometricStart::inWorkpiece(int feature, int placement) const {
-  const Pose& pose = poses[static_cast<std::size_t>(placement)];
+  const RigidMotion& pose = poses[static_cast<std::size_t>(placement)];
   return pose.rotation * features[static_cast<std::size_t>(feature)] + pose.translation;
 }
 

@@ -6,14 +6,16 @@
 
 namespace mm {
 
+/// A rotation, then a shift.
+struct RigidMotion {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();  // m
+};
+
 /// Start values from the geometry alone: where the artifact stood, where its features are in it, and the
 /// offsets of the styli.
 struct GeometricStart {
-  struct Pose {
-    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  // artifact -> workpiece
-    Eigen::Vector3d translation = Eigen::Vector3d::Zero();   // m
-  };
-  std::vector<Pose> poses;                // one a placement
+  std::vector<RigidMotion> poses;         // artifact -> workpiece, one a placement
   std::vector<Eigen::Vector3d> features;  // in the artifact's frame, m
   std::vector<Eigen::Vector3d> offsets;   // one a stylus, at the least one: axes of probe_tip, m
 
@@ -30,7 +32,6 @@ void startFreeFeatures(Session& session);
 /// The rigid motion that brings `from` closest to `to` (columns, m): translation alone of one point, the
 /// shortest rotation of points on one line. Otherwise that of Umeyama (IEEE Trans. PAMI 13 (1991) 376), a
 /// rotation also where a reflection fits better.
-void rigidMotion(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to, Eigen::Matrix3d& rotation,
-                 Eigen::Vector3d& translation);
+RigidMotion rigidMotion(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to);
 
 }  // namespace mm

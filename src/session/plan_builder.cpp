@@ -1,6 +1,5 @@
 #include "session/plan_builder.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/erase_if.h"
 #include "base/format.h"
 #include "base/range.h"
 #include "base/units.h"
@@ -226,12 +227,9 @@ class Asker {
       least = std::min(least, h.agreement.misfit);
       anyAligned |= h.agreement.aligned > kAligned;
     }
-    found_.erase(std::remove_if(found_.begin(), found_.end(),
-                                [&](const Hypothesis& h) {
-                                  return h.agreement.misfit > kAsGood * least ||
-                                         (anyAligned && !(h.agreement.aligned > kAligned));
-                                }),
-                 found_.end());
+    eraseIf(found_, [&](const Hypothesis& h) {
+      return h.agreement.misfit > kAsGood * least || (anyAligned && !(h.agreement.aligned > kAligned));
+    });
     // A mirror image is a mirror image: what needs the artifact to be turned least comes first.
     std::stable_sort(found_.begin(), found_.end(), [](const Hypothesis& a, const Hypothesis& b) {
       return a.agreement.turn < b.agreement.turn - kSameTurn;

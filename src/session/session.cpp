@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "base/erase_if.h"
 #include "base/error.h"
 #include "session/geometric_start.h"
 #include "session/gross_rows.h"
@@ -121,9 +122,7 @@ void order(Session& session) {
   auto& all = session.observations;
   if (!std::is_sorted(all.begin(), all.end(), earlier)) std::stable_sort(all.begin(), all.end(), earlier);
   for (auto* series : {&session.temperatures, &session.covariates}) {
-    series->erase(
-        std::remove_if(series->begin(), series->end(), [](const Series& s) { return s.time.empty(); }),
-        series->end());
+    eraseIf(*series, [](const Series& s) { return s.time.empty(); });
     std::stable_sort(series->begin(), series->end(),
                      [](const Series& a, const Series& b) { return a.name < b.name; });
   }

@@ -1,6 +1,7 @@
 #include "session/session_summary.h"
 
 #include <algorithm>
+#include <map>
 
 #include "base/format.h"
 #include "base/range.h"
@@ -22,22 +23,15 @@ std::string counted(std::size_t count, const std::string& what) {
 }
 
 std::string observationsLine(const Session& session) {
-  std::size_t contacts = 0, positions = 0, deviations = 0, lengths = 0;
-  for (const Observation& o : session.observations) {
-    contacts += o.kind == ObservationKind::kContact;
-    positions += o.kind == ObservationKind::kPosition;
-    deviations += o.kind == ObservationKind::kDeviation;
-    lengths += o.kind == ObservationKind::kLength;
-  }
+  std::map<ObservationKind, std::size_t> counts;
+  for (const Observation& o : session.observations) ++counts[o.kind];
   std::string text;
-  const auto add = [&](std::size_t count, const std::string& what) {
-    if (count > 0) text += (text.empty() ? "" : ", ") + counted(count, what);
-  };
-  add(contacts, session.hasLaser() ? "laser contact" : "contact");
-  add(positions, "reference position");
-  add(lengths, "length");
-  add(deviations, "row");
-  if (deviations > 0) text += " of deviations";
+  for (const auto& [kind, what] :
+       {std::pair(ObservationKind::kContact, session.hasLaser() ? "laser contact" : "contact"),
+        std::pair(ObservationKind::kPosition, "reference position"),
+        std::pair(ObservationKind::kLength, "length"), std::pair(ObservationKind::kDeviation, "row")})
+    if (counts[kind] > 0) text += (text.empty() ? "" : ", ") + counted(counts[kind], what);
+  if (counts[ObservationKind::kDeviation] > 0) text += " of deviations";
   if (!session.setups.empty()) text += ", in " + counted(session.setups.size(), "setup");
   return text;
 }

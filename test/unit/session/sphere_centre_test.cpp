@@ -60,20 +60,18 @@ TEST(RigidMotion, isARotationWhateverThePointsDetermine) {
   const Eigen::Vector3d shift(0.01, 0.02, -0.03);
   Eigen::Matrix3Xd from(3, 4);
   from << 0, 0.03, 0, 0.01, 0, 0, 0.02, 0.01, 0, 0, 0, 0;  // in one plane: a reflection fits as well
-  Eigen::Matrix3d rotation;
-  Eigen::Vector3d translation;
-  rigidMotion(from, (turned * from).colwise() + shift, rotation, translation);
-  EXPECT_LT((rotation - turned).norm(), 1e-13);
-  EXPECT_LT((translation - shift).norm(), 1e-15);
+  const RigidMotion motion = rigidMotion(from, (turned * from).colwise() + shift);
+  EXPECT_LT((motion.rotation - turned).norm(), 1e-13);
+  EXPECT_LT((motion.translation - shift).norm(), 1e-15);
 
   const Eigen::Matrix3Xd line = Eigen::Vector3d(0.01, 0.0, 0.0) * Eigen::RowVector3d(0, 1, 2);
-  rigidMotion(line, turned * line, rotation, translation);
+  const Eigen::Matrix3d rotation = rigidMotion(line, turned * line).rotation;
   EXPECT_NEAR(rotation.determinant(), 1.0, 1e-14);
   EXPECT_LT((rotation * line - turned * line).norm(), 1e-15);
 
-  rigidMotion(from.leftCols<1>(), from.leftCols<1>().colwise() + shift, rotation, translation);
-  EXPECT_EQ(rotation, Eigen::Matrix3d::Identity());
-  EXPECT_LT((translation - shift).norm(), 1e-18);
+  const RigidMotion shifted = rigidMotion(from.leftCols<1>(), from.leftCols<1>().colwise() + shift);
+  EXPECT_EQ(shifted.rotation, Eigen::Matrix3d::Identity());
+  EXPECT_LT((shifted.translation - shift).norm(), 1e-18);
 }
 
 }  // namespace
