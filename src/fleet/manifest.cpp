@@ -14,7 +14,8 @@
 #include "base/text.h"
 #include "base/yaml_mapping.h"
 #include "calibration_file/atomic_file.h"
-#include "fleet/utf8.h"
+#include "fleet/readable.h"
+#include "session/text_file.h"
 
 namespace mm {
 namespace {

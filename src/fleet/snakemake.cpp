@@ -10,7 +10,8 @@
 
 #include "base/error.h"
 #include "calibration_file/atomic_file.h"
-#include "fleet/utf8.h"
+#include "fleet/readable.h"
+#include "session/text_file.h"
 
 namespace mm {
 namespace {

@@ -1,6 +1,7 @@
 #include "session/text_file.h"
 
 #include <algorithm>
+#include <boost/locale/encoding_utf.hpp>
 
 #include "base/error.h"
 #include "base/read_file.h"
@@ -9,43 +10,13 @@
 namespace mm {
 namespace {
 
-void append(std::string& text, char32_t c) {
-  constexpr char32_t kLead[] = {0x00, 0xC0, 0xE0, 0xF0};  // by the number of bytes behind it
-  const int more = c < 0x80 ? 0 : c < 0x800 ? 1 : c < 0x10000 ? 2 : 3;
-  text += static_cast<char>(kLead[more] | (c >> 6 * more));
-  for (int k = more - 1; k >= 0; --k) text += static_cast<char>(0x80 | ((c >> 6 * k) & 0x3F));
-}
-
 std::string fromUtf16(const std::string& bytes, std::size_t begin, bool bigEndian) {
-  std::string text;
-  const auto unit = [&](std::size_t i) {
-    const auto a = static_cast<unsigned char>(bytes[i]), b = static_cast<unsigned char>(bytes[i + 1]);
-    return static_cast<char32_t>(bigEndian ? a << 8 | b : b << 8 | a);
-  };
+  std::u16string text;
   for (std::size_t i = begin; i + 1 < bytes.size(); i += 2) {
-    char32_t c = unit(i);
-    if (c >= 0xD800 && c < 0xDC00 && i + 3 < bytes.size()) {
-      c = 0x10000 + ((c - 0xD800) << 10) + (unit(i + 2) - 0xDC00);
-      i += 2;
-    }
-    append(text, c);
+    const auto a = static_cast<unsigned char>(bytes[i]), b = static_cast<unsigned char>(bytes[i + 1]);
+    text += static_cast<char16_t>(bigEndian ? a << 8 | b : b << 8 | a);
   }
-  return text;
-}
-
-bool isUtf8(const std::string& bytes) {
-  int more = 0;
-  for (const char b : bytes) {
-    const auto c = static_cast<unsigned char>(b);
-    if (more > 0) {
-      if ((c & 0xC0) != 0x80) return false;
-      --more;
-    } else if (c >= 0x80) {
-      more = (c & 0xE0) == 0xC0 ? 1 : (c & 0xF0) == 0xE0 ? 2 : (c & 0xF8) == 0xF0 ? 3 : -1;
-      if (more < 0) return false;
-    }
-  }
-  return more == 0;
+  return boost::locale::conv::utf_to_utf<char>(text);
 }
 
 /// Latin-1, and where it has control characters those of Windows-1252 (dashes, quotes, per mille, euro).
@@ -54,15 +25,22 @@ std::string fromLatin1(const std::string& bytes) {
                                             0x02C6, 0x2030, 0x0160, 0x2039, 0x0152, 0x008D, 0x017D, 0x008F,
                                             0x0090, 0x2018, 0x2019, 0x201C, 0x201D, 0x2022, 0x2013, 0x2014,
                                             0x02DC, 0x2122, 0x0161, 0x203A, 0x0153, 0x009D, 0x017E, 0x0178};
-  std::string text;
+  std::u16string text;
   for (const char b : bytes) {
     const auto c = static_cast<unsigned char>(b);
-    append(text, c >= 0x80 && c < 0xA0 ? kWindows[c - 0x80] : c);
+    text += c >= 0x80 && c < 0xA0 ? kWindows[c - 0x80] : static_cast<char16_t>(c);
   }
-  return text;
+  return boost::locale::conv::utf_to_utf<char>(text);
 }
 
 }  // namespace
+
+bool isUtf8(std::string_view text) {
+  namespace utf = boost::locale::utf;
+  for (auto at = text.begin(); at != text.end();)
+    if (!utf::is_valid_codepoint(utf::utf_traits<char>::decode(at, text.end()))) return false;
+  return true;
+}
 
 TextFile::TextFile(const std::filesystem::path& file)
     : TextFile(file, readWholeFile(file, "name a file of measurements")) {}

@@ -31,4 +31,7 @@ class TextFile {
   std::vector<std::string_view> lines_;
 };
 
+/// Whether a text is UTF-8 (RFC 3629), which is all that JSON and the tables of a fleet hold.
+bool isUtf8(std::string_view text);
+
 }  // namespace mm

@@ -1,19 +1,8 @@
-#include "fleet/utf8.h"
-
-#include <nlohmann/json.hpp>
+#include "fleet/readable.h"
 
 #include "base/format.h"
 
 namespace mm {
-
-bool isUtf8(const std::string& text) {
-  try {
-    (void)nlohmann::json(text).dump();  // refuses anything else
-    return true;
-  } catch (const nlohmann::json::exception&) {
-    return false;
-  }
-}
 
 std::string readable(const std::string& text) {
   std::string out = "'";
