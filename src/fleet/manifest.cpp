@@ -3,7 +3,6 @@
 #include <glob.h>
 
 #include <algorithm>
-#include <ctime>
 #include <map>
 #include <regex>
 #include <string_view>
@@ -16,6 +15,7 @@
 #include "calibration_file/atomic_file.h"
 #include "fleet/readable.h"
 #include "session/text_file.h"
+#include "session/time_stamp.h"
 
 namespace mm {
 namespace {
@@ -27,10 +27,8 @@ const std::vector<std::string> kOptions{
 
 /// What is said once for all sessions, or for one entry.
 struct Choices {
-  std::vector<std::string> steps{"check", "calibrate", "diagnose"};
   std::vector<fs::path> models;
-  fs::path calibration;
-  BatchJob job;  // method, seed, repeatability, namespace, loaded
+  BatchJob job;  // steps, calibration, method, seed, repeatability, namespace, loaded
 };
 
 /// Names go into JSON and into the tables, which hold UTF-8 and nothing else.
@@ -52,20 +50,20 @@ fs::path fileOf(const YamlMapping& entry, const std::string& key, const std::str
   return file;
 }
 
-void readSteps(const YamlMapping& entry, Choices& c) {
+void readSteps(const YamlMapping& entry, BatchJob& job) {
   const std::vector<std::string> given = entry.texts("steps");
   for (const std::string& step : given)
     if (std::find(batchSteps().begin(), batchSteps().end(), step) == batchSteps().end())
       entry.fail("steps", "'" + step + "' is not a step" + didYouMean(step, batchSteps()) + " (steps are " +
                               listOf(batchSteps()) + ")");
-  c.steps.clear();
+  job.steps.clear();
   for (const std::string& step : batchSteps())  // in the order in which they are done
-    if (std::find(given.begin(), given.end(), step) != given.end()) c.steps.push_back(step);
-  if (c.steps.empty()) entry.fail("steps", "no step is given; give some of " + listOf(batchSteps()));
+    if (std::find(given.begin(), given.end(), step) != given.end()) job.steps.push_back(step);
+  if (job.steps.empty()) entry.fail("steps", "no step is given; give some of " + listOf(batchSteps()));
 }
 
 void readChoices(const YamlMapping& entry, const fs::path& folder, Choices& c) {
-  if (entry.has("steps")) readSteps(entry, c);
+  if (entry.has("steps")) readSteps(entry, c.job);
   if (entry.has("model") && entry.has("models"))
     entry.fail("models", "model is given, too; name all of them in models");
   for (const char* key : {"model", "models"}) {
@@ -74,7 +72,7 @@ void readChoices(const YamlMapping& entry, const fs::path& folder, Choices& c) {
     for (const std::string& name : entry.texts(key)) c.models.push_back(fileOf(entry, key, name, folder));
   }
   if (entry.has("calibration"))
-    c.calibration = fileOf(entry, "calibration", entry.text("calibration"), folder);
+    c.job.calibration = fileOf(entry, "calibration", entry.text("calibration"), folder);
   if (entry.has("method")) {
     static const std::vector<std::string> kMethods{"staged_mutation", "niching", "least_squares"};
     c.job.method = entry.text("method");
@@ -126,30 +124,21 @@ std::vector<fs::path> bagsOf(const YamlMapping& entry, const fs::path& folder) {
 /// "2026-01-05" or "2026-01-05T08:30:00Z", in full; a time that the calendar and the clock have.
 std::string dateOf(const YamlMapping& entry) {
   const std::string text = entry.text("date"), whole = text.size() == 10 ? text + "T00:00:00Z" : text;
-  static const std::regex stamp(R"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ)");
-  std::tm told{};
-  bool real =
-      std::regex_match(whole, stamp) && ::strptime(whole.c_str(), "%Y-%m-%dT%H:%M:%SZ", &told) != nullptr;
-  if (real) {
-    std::tm normal = told;  // the 31st of February becomes the 3rd of March
-    ::timegm(&normal);
-    real = normal.tm_mday == told.tm_mday && normal.tm_mon == told.tm_mon && normal.tm_sec == told.tm_sec;
-  }
-  if (!real)
+  static const std::regex stamp(R"(\d{4}-\d\d-\d\dT\d\d:\d\d:[0-5]\dZ)");  // no leap second
+  if (!std::regex_match(whole, stamp) || !parseCalendar(whole))
     entry.fail("date", "'" + text + "' is not a date; write it as 2026-01-05 or 2026-01-05T08:30:00Z (UTC)");
   return whole;
 }
 
 /// What the steps of an entry need and do not have.
 void checkNeeds(const YamlMapping& entry, const Choices& c) {
-  BatchJob job;
-  job.steps = c.steps;
+  const BatchJob& job = c.job;
   if (job.does("calibrate") && c.models.empty())
     entry.fail("", "step calibrate needs a model; give model, here or for all sessions");
-  if (job.does("verify") && c.calibration.empty())
+  if (job.does("verify") && job.calibration.empty())
     entry.fail("", "step verify needs the calibration to verify; give calibration");
   for (const char* step : {"diagnose", "add_all", "report"})
-    if (job.does(step) && !job.does("calibrate") && c.calibration.empty())
+    if (job.does(step) && !job.does("calibrate") && job.calibration.empty())
       entry.fail(
           "", std::string("step ") + step + " needs a calibration; add step calibrate, or give calibration");
 }
@@ -158,12 +147,11 @@ void addJobs(const YamlMapping& entry, const fs::path& folder, Choices c, std::v
   readChoices(entry, folder, c);
   checkNeeds(entry, c);
   BatchJob job = c.job;
-  job.steps = c.steps;
+  if (job.does("calibrate") && !job.does("verify")) job.calibration.clear();  // its own is used
   job.source = entry.source() + ":" + std::to_string(entry.line());
   if (entry.has("serial")) job.serial = utf8(entry, "serial", entry.text("serial"));
   if (entry.has("date")) job.date = dateOf(entry);
   const bool several = job.does("calibrate") && !c.models.empty();
-  if (job.does("verify") || !job.does("calibrate")) job.calibration = c.calibration;
   for (const fs::path& bag : bagsOf(entry, folder)) {
     job.bag = bag;
     job.machine = entry.has("machine")  ? utf8(entry, "machine", entry.text("machine"))
@@ -205,6 +193,7 @@ Manifest loadManifest(const fs::path& file) {
   const YamlMapping root(YamlMapping::load(readFile(file), source), source, "the manifest", known);
   const fs::path folder = fs::absolute(file).parent_path();
   Choices common;
+  common.job.steps = {"check", "calibrate", "diagnose"};
   readChoices(root, folder, common);
   known = kOptions;
   known.insert(known.end(), {"bags", "machine", "serial", "date"});

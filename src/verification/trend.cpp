@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <ctime>
 
 #include "base/median.h"
 #include "base/quantity_words.h"
@@ -11,13 +9,15 @@
 #include "base/utc_now.h"
 #include "effects/effect_words.h"
 #include "machine/machine_fit.h"
+#include "session/time_stamp.h"
 #include "verification/calibration_changes.h"
 #include "workflow/recalibration.h"
 
 namespace mm {
 namespace {
 
-constexpr double kMonth = 30.0;  // days
+constexpr double kDay = 86400.0;  // s
+constexpr double kMonth = 30.0;   // days
 
 std::vector<const Calibration*> ofOneMachine(const std::vector<Calibration>& all) {
   std::vector<const Calibration*> same;
@@ -29,10 +29,7 @@ std::vector<const Calibration*> ofOneMachine(const std::vector<Calibration>& all
 }
 
 /// Days since 1970 of what was measured: by the session's own clock, else when the calibration was made.
-double dayOf(const Calibration& c) {
-  constexpr double kDay = 86400.0;
-  return hasDate(c) ? c.sessionEpoch / kDay : daysOf(c.created);
-}
+double dayOf(const Calibration& c) { return hasDate(c) ? c.sessionEpoch / kDay : daysOf(c.created); }
 
 /// As time goes; of the calibrations of one session the last that was made: they are not independent.
 std::vector<const Calibration*> oneASession(const std::vector<const Calibration*>& all) {
@@ -101,16 +98,8 @@ void say(ParameterTrend& t, const Trend& course) {
 }  // namespace
 
 double daysOf(const std::string& time) {
-  std::tm utc = {};
-  double seconds = 0.0;
-  constexpr int kDateAlone = 3;
-  if (std::sscanf(time.c_str(), "%d-%d-%dT%d:%d:%lf", &utc.tm_year, &utc.tm_mon, &utc.tm_mday, &utc.tm_hour,
-                  &utc.tm_min, &seconds) < kDateAlone)
-    return std::nan("");
-  utc.tm_year -= 1900;
-  utc.tm_mon -= 1;
-  constexpr double kDay = 86400.0;
-  return (static_cast<double>(::timegm(&utc)) + seconds) / kDay;
+  const std::optional<std::int64_t> stamp = parseCalendar(time);
+  return stamp ? secondsBetween(0, *stamp) / kDay : std::nan("");
 }
 
 bool hasDate(const Calibration& c) {
