@@ -8,8 +8,6 @@
 #include <cstring>
 #include <fstream>
 #include <memory>
-#include <nlohmann/json.hpp>
-#include <type_traits>
 
 #include "base/checksum.h"
 #include "base/error.h"
@@ -115,26 +113,11 @@ std::string keyOf(const BatchJob& job) {
   return hash.digits();
 }
 
-nlohmann::json jobJson(const BatchJob& job) {
-  nlohmann::json json;
-  eachField(job, [&](const char* name, const auto& field) {
-    if constexpr (std::is_same_v<std::decay_t<decltype(field)>, fs::path>)
-      json[name] = field.string();
-    else
-      json[name] = field;
-  });
-  return json;
-}
+nlohmann::json jobJson(const BatchJob& job) { return fieldsJson<nlohmann::json>(job); }
 
 BatchJob jobOf(const nlohmann::json& json) {
   BatchJob job;
-  eachField(job, [&](const char* name, auto& field) {
-    using Field = std::decay_t<decltype(field)>;
-    if constexpr (std::is_same_v<Field, fs::path>)
-      field = json.at(name).template get<std::string>();
-    else
-      field = json.at(name).template get<Field>();
-  });
+  readFields(json, job);
   return job;
 }
 

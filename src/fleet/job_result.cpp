@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
-#include <type_traits>
 
 #include "base/error.h"
 #include "base/json_text.h"
@@ -15,10 +13,6 @@ namespace mm {
 namespace {
 
 namespace fs = std::filesystem;
-double numberOrNone(const nlohmann::json& json, const char* key) {
-  const auto at = json.find(key);
-  return at != json.end() && at->is_number() ? at->get<double>() : JobResult::kNone;
-}
 
 nlohmann::json jsonFile(const fs::path& file) {
   try {
@@ -70,41 +64,11 @@ void takeFigures(const Calibration& c, JobResult& result) {
     if (step.action == "add") result.found.push_back(step.effect.yaml());
 }
 
-namespace {
-
-/// The fields of a thing as an object.
-template <class Thing>
-Json fieldsJson(const Thing& thing) {
-  Json json;
-  eachField(thing, [&](const char* name, const auto& field) { json[name] = field; });
-  return json;
-}
-
-/// A number or flag that an older version did not write stays as it is.
-template <class Thing>
-void readFields(const nlohmann::json& json, Thing& thing) {
-  eachField(thing, [&](const char* name, auto& field) {
-    using Field = std::decay_t<decltype(field)>;
-    if constexpr (std::is_same_v<Field, double>)
-      field = numberOrNone(json, name);
-    else if constexpr (std::is_same_v<Field, bool>)
-      field = json.value(name, field);
-    else
-      field = json.at(name).template get<Field>();
-  });
-}
-template <class Thing>
-void readList(const nlohmann::json& list, std::vector<Thing>& things) {
-  for (const auto& json : list) readFields(json, things.emplace_back());
-}
-
-}  // namespace
-
 std::string resultText(const JobResult& r) {
-  Json json = fieldsJson(r);
+  Json json = fieldsJson<Json>(r);
   json["found"] = r.found;
-  json["parameters"] = jsonList(r.parameters, fieldsJson<FleetParameter>);
-  json["sensors"] = jsonList(r.sensors, fieldsJson<SensorHealth>);
+  json["parameters"] = jsonList(r.parameters, fieldsJson<Json, FleetParameter>);
+  json["sensors"] = jsonList(r.sensors, fieldsJson<Json, SensorHealth>);
   return jsonText(json, 1) + "\n";
 }
 
@@ -114,8 +78,8 @@ JobResult parseResult(const std::string& text, const std::string& source) {
     JobResult r;
     readFields(json, r);
     r.found = json.at("found").get<std::vector<std::string>>();
-    readList(json.at("parameters"), r.parameters);
-    readList(json.at("sensors"), r.sensors);
+    for (const auto& parameter : json.at("parameters")) readFields(parameter, r.parameters.emplace_back());
+    for (const auto& sensor : json.at("sensors")) readFields(sensor, r.sensors.emplace_back());
     return r;
   } catch (const nlohmann::json::exception& e) {
     throw InputError(source + ": is damaged (" + e.what() + "); remove the folder it is in and run again");
