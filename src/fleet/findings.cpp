@@ -9,7 +9,6 @@
 #include "base/quantity_words.h"
 #include "fleet/fleet.h"
 #include "fleet/recurrence.h"
-#include "fleet/robust_numbers.h"
 
 namespace mm {
 namespace {
@@ -30,11 +29,7 @@ double spokenValue(const FleetSeries& s, double value) { return s.unit == "ln K"
 std::string spokenUnit(const FleetSeries& s) { return s.unit == "ln K" ? "K" : s.unit; }
 
 Finding findingOf(const std::string& kind, const FleetSeries& s, double before, double after, double p) {
-  Finding f;
-  f.kind = s.kind == SeriesKind::kSensor ? "sensor" : kind;
-  f.machine = s.machine;
-  f.quantity = s.quantity;
-  f.unit = spokenUnit(s);
+  Finding f{s.kind == SeriesKind::kSensor ? "sensor" : kind, s.machine, s.quantity, spokenUnit(s)};
   f.before = spokenValue(s, before);
   f.after = spokenValue(s, after);
   f.p = p;
@@ -214,23 +209,19 @@ std::vector<FoundSeries> foundSeries(const Fleet& fleet) {
   return all;
 }
 
+bool isOffset(const Finding& f) { return f.kind == "sensor" && f.quantity.rfind("offset of ", 0) == 0; }
+
 /// Of one cause one finding. A step is also a slope and a difference from the sisters, and one sensor that is
 /// wrong moves the offsets of all others of its machine.
 bool follows(const Finding& f, const Finding& cause) {
   if (&f == &cause || f.machine != cause.machine) return false;
-  const bool told = cause.kind == "changed" || cause.kind == "came_back" || cause.kind == "drifts";
-  if (f.quantity == cause.quantity)
-    return (f.kind == "apart" && told) || (f.kind == "drifts_apart" && told && cause.kind != "drifts");
-  return false;
-}
-
-bool isOffset(const Finding& f) { return f.kind == "sensor" && f.quantity.rfind("offset of ", 0) == 0; }
-
-bool followsSensor(const Finding& f, const Finding& cause) {
-  if (&f == &cause || f.machine != cause.machine || f.kind != "sensor" || cause.kind != "sensor")
-    return false;
-  // a change tells more than what they are now
-  if (f.quantity == cause.quantity) return cause.change && !f.change;
+  if (f.quantity == cause.quantity) {
+    const bool step = cause.kind == "changed" || cause.kind == "came_back";
+    if (f.kind == "apart") return step || cause.kind == "drifts";
+    if (f.kind == "drifts_apart") return step;
+    // a change tells more than what they are now
+    return f.kind == "sensor" && cause.kind == "sensor" && cause.change && !f.change;
+  }
   if (!isOffset(f) || !isOffset(cause)) return false;
   if (f.change != cause.change) return cause.change;
   return f.date == cause.date && std::abs(f.after - f.before) < std::abs(cause.after - cause.before);
@@ -272,7 +263,7 @@ void condense(Fleet& fleet) {
   std::vector<Finding> kept;
   for (const Finding& f : fleet.findings)
     if (std::none_of(fleet.findings.begin(), fleet.findings.end(),
-                     [&](const Finding& cause) { return follows(f, cause) || followsSensor(f, cause); }))
+                     [&](const Finding& cause) { return follows(f, cause); }))
       kept.push_back(f);
   fleet.findings = std::move(kept);
 }
@@ -317,10 +308,7 @@ void findRecurrences(Fleet& fleet, double alpha) {
   for (const FoundSeries& s : foundSeries(fleet)) {
     const Recurrence r = recurrenceOf(s.found);
     if (!(r.logOdds > -std::log(alpha))) continue;
-    Finding f;
-    f.kind = "came_back";
-    f.machine = s.machine;
-    f.quantity = s.effect;
+    Finding f{"came_back", s.machine, s.effect};
     f.date = s.dates[r.back];
     f.p = std::exp(-r.logOdds);
     f.inWords = "Machine " + s.machine + ": " + s.effect + " came back: present until " +
@@ -341,10 +329,7 @@ void findBadSensors(Fleet& fleet) {
   }
   for (const auto& [machine, record] : last) {
     const auto add = [&, name = machine, at = record](const std::string& sensor, const std::string& what) {
-      Finding f;
-      f.kind = "sensor";
-      f.machine = name;
-      f.quantity = "sensor " + sensor;
+      Finding f{"sensor", name, "sensor " + sensor};
       f.date = at->date;
       f.p = 0.0;  // no chance about it
       f.inWords = "Machine " + name + ": sensor " + sensor + " " + what + " in the session of " +

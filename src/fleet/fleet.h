@@ -27,10 +27,10 @@ struct FleetSeries {
 /// One thing that somebody should know about a fleet.
 struct Finding {
   std::string kind;  // changed, drifts, apart, drifts_apart, came_back, sensor
-  std::string machine, quantity, unit;
-  std::string inWords;  // one sentence with its figures
-  bool change = false;  // at one time, from one level to another
-  std::string date;     // of the change, as far as it has one
+  std::string machine, quantity, unit = {};
+  std::string inWords = {};  // one sentence with its figures
+  bool change = false;       // at one time, from one level to another
+  std::string date = {};     // of the change, as far as it has one
   double before = 0.0,
          after = 0.0;  // levels (in a drift: first and last value; apart: the sisters', its own)
   /// Standard uncertainty of after - before, of `changed`, `came_back` and `drifts`; NaN: not told.

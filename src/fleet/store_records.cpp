@@ -51,7 +51,6 @@ Stored storedOf(const CalibrationStore& store, const CalibrationStore::Entry& en
   record.result.serial = serial;
   record.result.software = c.software;
   record.result.sessionHash = c.sessionHash;
-  record.result.observations = static_cast<long>(c.observations);
   takeFigures(c, record.result);
   return stored;
 }
