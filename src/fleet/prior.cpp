@@ -72,10 +72,6 @@ PopulationPrior predictiveOf(const std::vector<Sister>& sisters) {
   return prior;
 }
 
-std::vector<PopulationPrior> populationPriors(const std::string& folder, const std::string& except) {
-  return populationPriors(loadFleet(folder, {}), except);
-}
-
 std::vector<PopulationPrior> populationPriors(const Fleet& fleet, const std::string& except) {
   using Key = std::tuple<std::string, std::string, std::string>;  // effect, name, unit
   std::map<Key, std::set<std::string>> all;                       // machines that have it

@@ -24,10 +24,8 @@ inline constexpr std::size_t kFewestForPrior = 5;
 /// out.
 PopulationPrior predictiveOf(const std::vector<Sister>& sisters);
 
-/// For every parameter that enough machines have; of converged fits. @param folder as of loadFleet. @param
-/// except machine that is left out: the new one itself. @throw InputError: no parameter of enough machines.
-std::vector<PopulationPrior> populationPriors(const std::string& folder, const std::string& except);
-/// The same of a fleet that was read.
+/// For every parameter that enough machines have; of converged fits. @param except machine that is left out:
+/// the new one itself. @throw InputError: no parameter of enough machines.
 std::vector<PopulationPrior> populationPriors(const Fleet& fleet, const std::string& except);
 
 /// Chance that a machine of the population has what the session says: the prior predictive p-value of the

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/median.h"
+#include "base/range.h"
 #include "fleet/robust_numbers.h"
 
 namespace mm {
@@ -45,13 +46,11 @@ std::vector<SensorHealth> sensorHealth(const Session& session) {
     for (const SetAside& aside : session.setAside)
       if (aside.logged && aside.logged->temperature && aside.logged->series == series.name) ++h.setAside;
     double sum = 0.0;
-    for (const double v : series.value) sum += v;
+    Range range;
+    for (const double v : series.value) sum += v, range.add(v);
     h.mean = h.values > 0 ? sum / h.values : kNotMeasured;
     h.noise = noiseOf(series.value);
-    if (h.values > 0) {
-      const auto [low, high] = std::minmax_element(series.value.begin(), series.value.end());
-      h.span = *high - *low;
-    }
+    if (h.values > 0) h.span = range.size();
     h.step = stepOf(series.value);
     all.push_back(h);
   }

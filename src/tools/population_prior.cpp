@@ -42,7 +42,7 @@ Eigen::VectorXd heldOutAt(const CalibrationResult& fit, const Eigen::VectorXd& x
 }  // namespace
 
 PriorOfSisters::PriorOfSisters(const std::string& folder, const std::string& except) : folder_(folder) {
-  if (!folder.empty()) all_ = populationPriors(folder, except);
+  if (!folder.empty()) all_ = populationPriors(loadFleet(folder, {}), except);
 }
 
 void PriorOfSisters::match(const CalibrationResult& result) {
