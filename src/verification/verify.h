@@ -112,7 +112,7 @@ struct Verification : Decision, BeforeAndAfter {
   std::vector<RemainingOfAxis> axes;
   std::vector<RemainingOfEffect> effects;
   std::vector<CrossedShare> crossed;  // those that are there, significantly
-  std::vector<Outlier> outliers;  // left out
+  std::vector<Outlier> outliers;      // left out
 };
 
 /// Compares a session of fresh points with a calibration; no parameter of the calibration is refitted.
