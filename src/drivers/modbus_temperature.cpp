@@ -11,7 +11,6 @@
 
 #include "base/error.h"
 #include "base/format.h"
-#include "drivers/serial_address.h"
 
 namespace mm {
 
@@ -27,17 +26,11 @@ double registerValue(const std::array<std::uint16_t, 2>& registers, const Regist
   return std::isfinite(value) ? value : std::numeric_limits<double>::quiet_NaN();
 }
 
-ModbusLine parseModbusLine(const std::string& address) {
-  const SerialAddress written =
+SerialAddress parseModbusLine(const std::string& address) {
+  SerialAddress line =
       parseSerialAddress(address, true, "serial:<device>:<baud>:<bits>, as serial:/dev/ttyUSB0:9600:8N1");
-  ModbusLine line;
-  line.device = written.device;
-  if (written.baud > 0) line.baud = written.baud;
-  if (!written.bits.empty()) {
-    line.dataBits = written.bits[0] - '0';
-    line.parity = written.bits[1];
-    line.stopBits = written.bits[2] - '0';
-  }
+  if (line.baud == 0) line.baud = 9600;
+  if (line.bits.empty()) line.bits = "8N1";
   return line;
 }
 
@@ -78,8 +71,7 @@ void ModbusTemperatures::add(const std::string& name, SensorKeys& keys) {
                                           : Type::kFloat32;
   sensor.first = keys.wholeNumber("register", 0, 0, 65536 - sensor.layout.count());
   sensor.layout.lowWordFirst = keys.word("words", "high", {"high", "low"}) == "low";
-  sensor.scale = keys.number("scale", type == "float32" ? 1.0 : 0.1, -1e6, 1e6);
-  sensor.offset = keys.number("offset", 0.0, -1e6, 1e6);
+  addSensor(name, keys, type == "float32" ? 1.0 : 0.1);
   const double timeout = keys.number("timeout", timeout_, 0.01, 10.0);
   if (keys.has("timeout")) {
     if (timeoutGiven_ && timeout != timeout_)
@@ -88,7 +80,6 @@ void ModbusTemperatures::add(const std::string& name, SensorKeys& keys) {
     timeoutGiven_ = true;
     timeout_ = timeout;
   }
-  names_.push_back(name);
   sensors_.push_back(sensor);
 }
 
@@ -109,8 +100,9 @@ double ModbusTemperatures::readOne(std::size_t i) {
                  (late ? "no answer in time" : modbus_strerror(cause)));
   };
   if (line_ == nullptr) {
-    line_ = std::make_unique<Line>(modbus_new_rtu(settings_.device.c_str(), settings_.baud, settings_.parity,
-                                                  settings_.dataBits, settings_.stopBits));
+    const std::string& bits = settings_.bits;
+    line_ = std::make_unique<Line>(
+        modbus_new_rtu(settings_.device.c_str(), settings_.baud, bits[1], bits[0] - '0', bits[2] - '0'));
     if (line_->context == nullptr) throw failed("cannot be opened");
     const double whole = std::floor(timeout_);
     modbus_set_response_timeout(line_->context, static_cast<std::uint32_t>(whole),
@@ -127,7 +119,7 @@ double ModbusTemperatures::readOne(std::size_t i) {
   if (got != count) throw failed("cannot be read");
   const double value = registerValue(registers, sensor.layout);
   if (std::isnan(value)) throw Error(address_ + ": its registers hold no number");
-  return sensor.scale * value + sensor.offset;
+  return value;
 }
 
 }  // namespace mm

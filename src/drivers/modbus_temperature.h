@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdint>
 
+#include "drivers/serial_address.h"
 #include "drivers/temperature_device.h"
 
 namespace mm {
@@ -16,18 +17,9 @@ struct RegisterLayout {
 /// The number in as many registers as the layout has; NaN where a float is none.
 double registerValue(const std::array<std::uint16_t, 2>& registers, const RegisterLayout& layout);
 
-/// Where a line is: `serial:<device>:<baud>:<data bits><parity><stop bits>`, as serial:/dev/ttyUSB0:9600:8N1.
-struct ModbusLine {
-  std::string device;
-  int baud = 9600, dataBits = 8, stopBits = 1;
-  char parity = 'N';
-  bool operator==(const ModbusLine& other) const {
-    return device == other.device && baud == other.baud && dataBits == other.dataBits &&
-           stopBits == other.stopBits && parity == other.parity;
-  }
-};
-/// @throw InputError naming what is wrong with it.
-ModbusLine parseModbusLine(const std::string& address);
+/// Where a line is: `serial:<device>:<baud>:<data bits><parity><stop bits>`, as serial:/dev/ttyUSB0:9600:8N1;
+/// 9600 and 8N1 where they are not given. @throw InputError naming what is wrong with it.
+SerialAddress parseModbusLine(const std::string& address);
 
 /// Temperature modules on one line of Modbus RTU (libmodbus), several units, each with its registers. Keys of
 /// a sensor: `modbus` (the line), `unit` (1 … 247), `register` (from 0), `function` (holding, input), `type`
@@ -48,12 +40,11 @@ class ModbusTemperatures final : public TemperatureDevice {
     int unit = 1, first = 0;
     bool input = false;  // input registers, function 4; else holding registers, function 3
     RegisterLayout layout;
-    double scale = 1.0, offset = 0.0;
   };
   double readOne(std::size_t sensor) override;
 
   std::string address_;
-  ModbusLine settings_;
+  SerialAddress settings_;
   double timeout_ = 0.5;       // s
   bool timeoutGiven_ = false;  // by a sensor
   std::unique_ptr<Line> line_;

@@ -9,6 +9,9 @@ struct SerialAddress {
   std::string device;  // a path that begins with /
   int baud = 0;        // 0: not given
   std::string bits;    // data bits, parity, stop bits; empty: not given
+  bool operator==(const SerialAddress& other) const {
+    return device == other.device && baud == other.baud && bits == other.bits;
+  }
 };
 inline constexpr int kSlowestLine = 300, kFastestLine = 4000000;  // baud
 

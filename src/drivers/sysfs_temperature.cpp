@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 #include "base/error.h"
 #include "base/format.h"
 #include "base/nearest_name.h"
+#include "base/number_text.h"
 #include "base/read_file.h"
+#include "base/text.h"
 
 namespace mm {
 namespace {
@@ -20,13 +21,10 @@ constexpr std::size_t kLongestNumber = 64;  // characters
 /// A file of the kernel with one number. @throw InputError naming it.
 double numberIn(const fs::path& file) {
   const std::string text = readWholeFile(file, "check the sensor and its driver");
-  const std::optional<double> value = parseSysfsNumber(text);
-  if (!value) {
-    std::string shown;
-    for (const char c : text.substr(0, 20)) shown += c >= ' ' && c <= '~' ? c : '?';
-    throw InputError(file.string() + ": holds '" + shown + "', not a number");
-  }
-  return *value;
+  if (const std::optional<double> value = parseSysfsNumber(text)) return *value;
+  std::string shown;
+  for (const char c : text.substr(0, 20)) shown += c >= ' ' && c <= '~' ? c : '?';
+  throw InputError(file.string() + ": holds '" + shown + "', not a number");
 }
 
 std::optional<double> numberIfThere(const fs::path& file) {
@@ -47,14 +45,10 @@ std::string firstLine(const fs::path& file) {
 }  // namespace
 
 std::optional<double> parseSysfsNumber(const std::string& text) {
-  std::string number = text;
-  if (!number.empty() && number.back() == '\n') number.pop_back();
-  if (number.empty() || number.size() > kLongestNumber ||
-      number.find_first_not_of("+-.0123456789eE") != std::string::npos)
+  const std::string number = text.substr(0, text.size() - (endsWith(text, "\n") ? 1 : 0));
+  double value = 0.0;
+  if (number.size() > kLongestNumber || !parseNumber(number, value) || !std::isfinite(value))
     return std::nullopt;
-  char* end = nullptr;
-  const double value = std::strtod(number.c_str(), &end);
-  if (*end != '\0' || !std::isfinite(value)) return std::nullopt;
   return value;
 }
 
@@ -73,9 +67,7 @@ void SysfsTemperatures::add(const std::string& name, SensorKeys& keys) {
       keys.refuse("'channel' is a name as temp1, not a path");
     sensor.number = static_cast<std::size_t>(keys.wholeNumber("number", 0, 0, 99));
   }
-  sensor.scale = keys.number("scale", 1.0, -1e6, 1e6);
-  sensor.offset = keys.number("offset", 0.0, -1e6, 1e6);
-  names_.push_back(name);
+  addSensor(name, keys, 1.0);
   sensors_.push_back(std::move(sensor));
 }
 
@@ -99,10 +91,7 @@ fs::path SysfsTemperatures::folderOf(const Sensor& sensor) const {
 }
 
 double SysfsTemperatures::readOne(std::size_t i) {
-  return sensors_[i].scale * valueOf(sensors_[i]) + sensors_[i].offset;
-}
-
-double SysfsTemperatures::valueOf(const Sensor& sensor) const {
+  const Sensor& sensor = sensors_[i];
   if (sensor.kind == Kind::kFile) return kMilli * numberIn(sensor.channel);
   const fs::path folder = folderOf(sensor);
   if (sensor.kind == Kind::kHwmon) {

@@ -30,11 +30,9 @@ class SysfsTemperatures final : public TemperatureDevice {
     Kind kind;
     std::string chip, channel;  // of a file: its path
     std::size_t number = 0;
-    double scale = 1.0, offset = 0.0;
   };
   std::filesystem::path folderOf(const Sensor& sensor) const;
   double readOne(std::size_t sensor) override;
-  double valueOf(const Sensor& sensor) const;  // degC, before scale and offset
 
   std::string sysfs_;
   std::vector<Sensor> sensors_;

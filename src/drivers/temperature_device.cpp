@@ -55,11 +55,17 @@ void SensorKeys::finish() const {
       refuse("'" + key + "' is unknown" + didYouMean(key, asked_));
 }
 
+void TemperatureDevice::addSensor(const std::string& name, SensorKeys& keys, double standardScale) {
+  scales_.push_back(keys.number("scale", standardScale, -1e6, 1e6));
+  offsets_.push_back(keys.number("offset", 0.0, -1e6, 1e6));
+  names_.push_back(name);
+}
+
 std::vector<TemperatureReading> TemperatureDevice::read() {
   std::vector<TemperatureReading> readings(names_.size());
   for (std::size_t i = 0; i < readings.size(); ++i) {
     try {
-      readings[i].value = readOne(i);
+      readings[i].value = scales_[i] * readOne(i) + offsets_[i];
     } catch (const std::exception& e) {
       readings[i].wrong = e.what();
     }

@@ -21,6 +21,8 @@ struct TemperatureReading {
   std::string wrong;                                        // why not, for people
 };
 
+class SensorKeys;
+
 /// Sensors behind one way to them: files of the kernel, or one serial line. Used by one thread.
 class TemperatureDevice {
  public:
@@ -32,10 +34,15 @@ class TemperatureDevice {
   std::vector<TemperatureReading> read();
 
  protected:
-  /// degC of the sensor at that place in `names`. @throw std::exception, for people, where it has none.
+  /// Puts a sensor behind the others, with the keys `scale` and `offset`. @throw InputError.
+  void addSensor(const std::string& name, SensorKeys& keys, double standardScale);
+  /// What the sensor at that place in `names` reads, before scale and offset. @throw std::exception, for
+  /// people, where it has none.
   virtual double readOne(std::size_t sensor) = 0;
 
+ private:
   std::vector<std::string> names_;
+  std::vector<double> scales_, offsets_;
 };
 
 /// The devices of these sensors: one for all files of the kernel, one for each serial line.
