@@ -18,11 +18,6 @@ constexpr double kAlwaysOn = 255.0;    // of $1: motors hold their place at rest
 constexpr double kJogBegins = 0.2;     // s after which a jog that is not seen to move has ended
 const char* const kDoorText = "the safety door is open";
 
-Alarm alarmOf(int code) {
-  const GrblWords words = grblAlarm(code);
-  return {code, words.text, words.remedy};
-}
-
 }  // namespace
 
 // What a report ends: the first row that fits. A feed hold that is left would keep the next motion from
@@ -185,7 +180,7 @@ void GrblController::arrive() {
 void GrblController::endHoming() {
   if (task_ != Task::kHoming) return;
   arrive();
-  state_.alarm = alarmOf(kGrblHomingRequired);
+  state_.alarm = grblAlarm(kGrblHomingRequired);
 }
 
 void GrblController::endStopInAlarm() {
@@ -236,13 +231,13 @@ void GrblController::takeAnswer(int code) {
     if (code == kGrblCriticalEvent) locked_ = true;  // grblHAL: the next ~clear_alarm resets it first
     if (state_.alarm.present())
       state_.alarm.remedy = "the control refused to clear it, error " + std::to_string(code) + ": " +
-                            grblError(code).text + "; " + alarmOf(state_.alarm.code).remedy;
+                            grblError(code).text + "; " + grblAlarm(state_.alarm.code).remedy;
   }
   const bool last = inFlight_.empty() && waiting_.empty();
   if (code != 0 && task_ != Task::kNone) {
-    const GrblWords words = grblError(code);
-    const std::string text = "the controller rejected it, error " + std::to_string(code) + ": " + words.text +
-                             (words.remedy.empty() ? "" : "; " + words.remedy);
+    const Alarm error = grblError(code);
+    const std::string text = "the controller rejected it, error " + std::to_string(code) + ": " + error.text +
+                             (error.remedy.empty() ? "" : "; " + error.remedy);
     finish(code == kGrblTargetBeyond ? Outcome::kLimit : Outcome::kAlarm, text);
     return;
   }
@@ -255,7 +250,7 @@ void GrblController::takeAnswer(int code) {
 
 void GrblController::takeAlarm(int code) {
   if (code == kGrblHomingRequired && task_ == Task::kHoming) return;  // of the other axes
-  state_.alarm = alarmOf(code);
+  state_.alarm = grblAlarm(code);
   clearing_ = false;
   state_.velocity.assign(map_->size(), 0.0);  // of a control that says nothing more, too
   if (!grblAlarmKeepsPosition(code)) homed_.assign(map_->size(), false);

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <iterator>
 #include <sstream>
 
 #include "base/error.h"
+#include "base/number_text.h"
 
 namespace mm {
 namespace {
@@ -64,10 +64,7 @@ std::vector<std::string> split(const std::string& text, char at) {
 }
 
 bool number(const std::string& text, double& value) {
-  if (text.empty() || text.find_first_not_of("+-.0123456789eE") != std::string::npos) return false;
-  char* end = nullptr;
-  value = std::strtod(text.c_str(), &end);
-  return *end == '\0' && std::isfinite(value);
+  return parseNumber(text, value) && std::isfinite(value);
 }
 
 bool numbers(const std::string& text, std::vector<double>& values) {
@@ -170,16 +167,16 @@ bool isGrblWelcome(const std::string& line) {
   return line.rfind("Grbl ", 0) == 0 || line.rfind("GrblHAL ", 0) == 0 || line.rfind("grblHAL ", 0) == 0;
 }
 
-GrblWords grblAlarm(int code) {
+Alarm grblAlarm(int code) {
   for (const AlarmRow& row : kAlarms)
-    if (row.code == code) return {row.text, row.remedy};
-  return {"alarm " + std::to_string(code), "see the controller's manual; then ~clear_alarm"};
+    if (row.code == code) return {code, row.text, row.remedy};
+  return {code, "alarm " + std::to_string(code), "see the controller's manual; then ~clear_alarm"};
 }
 
-GrblWords grblError(int code) {
+Alarm grblError(int code) {
   for (const ErrorRow& row : kErrors)
-    if (row.code == code) return {row.text, row.remedy};
-  return {"error " + std::to_string(code), "see the controller's manual"};
+    if (row.code == code) return {code, row.text, row.remedy};
+  return {code, "error " + std::to_string(code), "see the controller's manual"};
 }
 
 bool grblAlarmKeepsPosition(int code) {

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "measuring_machine/axis_controller.h"
+
 namespace mm {
 
 inline constexpr char kGrblSoftReset =
@@ -56,12 +58,8 @@ std::optional<int> parseGrblAlarm(const std::string& line);
 /// The line with which a controller begins: `Grbl 1.1h ['$' for help]`, `GrblHAL 1.1f [...]`.
 bool isGrblWelcome(const std::string& line);
 
-/// What an alarm or an error means, and what to do.
-struct GrblWords {
-  std::string text, remedy;
-};
-GrblWords grblAlarm(int code);  ///< of ALARM:code
-GrblWords grblError(int code);  ///< of error:code
+Alarm grblAlarm(int code);  ///< what ALARM:code means, and what to do
+Alarm grblError(int code);  ///< what error:code means, and what to do
 /// Whether the position is still known after an alarm.
 bool grblAlarmKeepsPosition(int code);
 /// Of a switch or of the travel: until it is reset, grbl 1.1 answers nothing more.
