@@ -6,7 +6,7 @@
 namespace mm {
 namespace {
 
-constexpr double kReset = 2.0;  // s within which a controller leaves its emergency stop
+constexpr double kReset = 2.0;  // s within which a controller leaves its emergency stop, or an alarm
 
 std::vector<Joint> jointsOf(const AxisController& controller, const Machine& machine) {
   std::vector<Joint> joints;
@@ -191,11 +191,7 @@ void MotionControl::resetEmergencyStop() {
   withDevice([&] { controller_->resetEmergencyStop(); });
   std::unique_lock<std::mutex> lock(mutex_);
   homedHere_ = false;
-  const std::uint64_t first = states_ + 1;
-  const bool reset = changed_.wait_for(lock, std::chrono::duration<double>(kReset + settings_.silence), [&] {
-    return ending_ || (states_ > first && lost_.empty() && !state_.emergencyStop);
-  });
-  if (!reset || ending_)
+  if (!awaitState(lock, kReset + settings_.silence, [&] { return !state_.emergencyStop; }))
     throw Error(lost_.empty() ? "the controller stays in its emergency stop; look at its button and its panel"
                               : "the controller does not answer: " + lost_);
   if (stops_ != before ||
@@ -226,11 +222,8 @@ void MotionControl::setOverride(double share) {
 void MotionControl::clearAlarm() {
   withDevice([&] { controller_->clearAlarm(); });
   std::unique_lock<std::mutex> lock(mutex_);
-  const std::uint64_t first = states_ + 1;
-  const bool cleared = changed_.wait_for(lock, std::chrono::duration<double>(2.0 + settings_.silence), [&] {
-    return ending_ || (states_ > first && lost_.empty() && !state_.alarm.present());
-  });
-  if (!cleared || ending_) throw Error("not cleared: " + faultText());
+  if (!awaitState(lock, kReset + settings_.silence, [&] { return !state_.alarm.present(); }))
+    throw Error("not cleared: " + faultText());
 }
 
 void MotionControl::breakDevice(const std::string& fault) {

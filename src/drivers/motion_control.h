@@ -162,12 +162,14 @@ class MotionControl {
   void sendStop();
   bool atRest() const;
   bool awaitRest(std::unique_lock<std::mutex>& lock);
+  bool awaitState(std::unique_lock<std::mutex>& lock, double seconds, const std::function<bool()>& shows);
   void countStop(const std::string& who);
   std::string stoppedBy() const;
   bool emergency() const { return emergencies_ != undone_; }
   void requireAnswering(std::uint32_t stopsSeen) const;  // with `mutex_` held, as the next two
   void requireReady(std::uint32_t stopsSeen) const;
   void beginCurrent(bool armed);
+  void order(std::uint32_t stopsSeen, bool homing, const std::function<void()>& give);
   std::string faultText() const;
   std::string switchWords() const;
   void awaitHoming(const std::vector<std::size_t>& stage, std::uint32_t stopsSeen, const Watch& watch);

@@ -35,6 +35,20 @@ std::vector<std::vector<std::size_t>> MotionControl::stagesOf(const std::vector<
   return stages;
 }
 
+// What may be ordered of axes that are not ready: an alarm, or a zero that is not known, is what it ends.
+void MotionControl::order(std::uint32_t stopsSeen, bool homing, const std::function<void()>& give) {
+  withDevice([&] {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      requireAnswering(stopsSeen);
+      beginCurrent(!state_.probeClosed);
+      current_->homing = homing;
+    }
+    give();
+  });
+  if (stops_ != stopsSeen) sendStop();
+}
+
 void MotionControl::home(const std::vector<std::string>& names, const Mover& mover, const Watch& watch) {
   std::vector<std::vector<std::size_t>> stages = stagesOf(names);
   if (!capabilities_.homingByAxis) {
@@ -47,16 +61,7 @@ void MotionControl::home(const std::vector<std::string>& names, const Mover& mov
   owner_.begin(mover, "homing");
   const EndOfMotion end(*this);
   for (const std::vector<std::size_t>& stage : stages) {
-    withDevice([&] {
-      {
-        const std::lock_guard<std::mutex> lock(mutex_);
-        requireAnswering(stopsSeen);
-        beginCurrent(!state_.probeClosed);
-        current_->homing = true;
-      }
-      controller_->home(stage);
-    });
-    if (stops_ != stopsSeen) sendStop();
+    order(stopsSeen, true, [&] { controller_->home(stage); });
     awaitHoming(stage, stopsSeen, watch);
   }
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -108,15 +113,7 @@ void MotionControl::moveOffLimit(const Mover& mover) {
   const std::uint32_t stopsSeen = stops_;
   owner_.begin(mover, "moving off a limit");
   const EndOfMotion end(*this);
-  withDevice([&] {
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      requireAnswering(stopsSeen);
-      beginCurrent(!state_.probeClosed);
-    }
-    controller_->moveOffLimit();
-  });
-  if (stops_ != stopsSeen) sendStop();
+  order(stopsSeen, false, [&] { controller_->moveOffLimit(); });
   std::unique_lock<std::mutex> lock(mutex_);
   const std::uint64_t first = states_ + 1;
   if (!changed_.wait_for(lock, std::chrono::seconds(60), [&] {

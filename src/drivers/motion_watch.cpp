@@ -218,8 +218,7 @@ std::string MotionControl::switchWords() const {
   if (!probe_.complaint().empty() || unsuccessful_ < settings_.silentMoves) return probe_.complaint();
   return "the probe does not trigger: " + std::to_string(unsuccessful_) +
          " consecutive probing moves ended without a contact; check the stylus, the cable and the position "
-         "of "
-         "the artifact";
+         "of the artifact";
 }
 
 std::string MotionControl::tripWords(const Current& current) const {
@@ -286,11 +285,16 @@ bool MotionControl::atRest() const {
   return slow || state_.time - restsSince_ >= kStays;
 }
 
-// At rest by a state that was made after the call: the one that comes next may be older.
 bool MotionControl::awaitRest(std::unique_lock<std::mutex>& lock) {
+  return awaitState(lock, settings_.restTimeout, [&] { return atRest(); });
+}
+
+// By a state that was made after the call: the one that comes next may be older.
+bool MotionControl::awaitState(std::unique_lock<std::mutex>& lock, double seconds,
+                               const std::function<bool()>& shows) {
   const std::uint64_t first = states_ + 1;
-  return changed_.wait_for(lock, std::chrono::duration<double>(settings_.restTimeout), [&] {
-    return ending_ || (states_ > first && lost_.empty() && atRest());
+  return changed_.wait_for(lock, std::chrono::duration<double>(seconds), [&] {
+    return ending_ || (states_ > first && lost_.empty() && shows());
   }) && !ending_;
 }
 
