@@ -33,6 +33,18 @@ std::vector<std::string> splitSources(const std::string& text) {
   return sources;
 }
 
+/// Where the axes are at a trip, or where the laser is read.
+ProbeEdge edgeOf(const Trip& trip, bool probing, MotionId motion) {
+  ProbeEdge edge;
+  edge.time = trip.time;
+  edge.probing = probing;
+  edge.actual = true;
+  edge.motion = motion;
+  edge.position = trip.position;
+  edge.velocity = trip.velocity;
+  return edge;
+}
+
 }  // namespace
 
 SimulatedController::SimulatedController() = default;
@@ -266,7 +278,7 @@ void SimulatedController::advance(double seconds) {
   machine.step(motion_.target, speed, seconds);
   const std::optional<Trip> trip = machine.takeTrip();
   if (trip && answers()) {
-    addEdges(trip->time, trip->position, trip->velocity);
+    addEdges(edgeOf(*trip, motion_.probing, motion_.id));
     if (motion_.probing) ending_ = Outcome::kTripped;
   }
   if (touching_ && !machine.touching() && answers()) {
@@ -284,22 +296,15 @@ void SimulatedController::advance(double seconds) {
 }
 
 /// The switch closes, opens again and closes, within the time that it bounces.
-void SimulatedController::addEdges(double time, const std::vector<double>& position,
-                                   const std::vector<double>& velocity) {
-  ProbeEdge edge;
-  edge.time = time;
-  edge.probing = motion_.probing;
-  edge.actual = true;
-  edge.motion = motion_.id;
-  edge.position = position;
-  edge.velocity = velocity;
+void SimulatedController::addEdges(const ProbeEdge& edge) {
   edges_.push_back(edge);
   if (!(bounce_ > 0.0)) return;
   for (const double part : {0.4, 1.0}) {
     ProbeEdge later = edge;
-    later.time = time + part * bounce_;
+    later.time += part * bounce_;
     later.closed = part == 1.0;
-    for (std::size_t j = 0; j < position.size(); ++j) later.position[j] += velocity[j] * part * bounce_;
+    for (std::size_t j = 0; j < edge.position.size(); ++j)
+      later.position[j] += edge.velocity[j] * part * bounce_;
     edges_.push_back(later);
   }
 }
@@ -351,11 +356,7 @@ std::vector<ProbeEdge> SimulatedController::takeProbeEdges() { return std::excha
 std::optional<ProbeEdge> SimulatedController::readLaser() {
   const std::optional<Trip> trip = instrument_->machine.readLaser();
   if (!trip) return std::nullopt;
-  ProbeEdge edge;
-  edge.time = trip->time;
-  edge.probing = edge.actual = true;
-  edge.position = trip->position;
-  edge.velocity = trip->velocity;
+  ProbeEdge edge = edgeOf(*trip, true, 0);
   edge.laserReading = trip->laserReading;
   return edge;
 }

@@ -60,7 +60,7 @@ class SimulatedController final : public AxisController {
   void advance(double seconds);
   double rampAfter(double seconds) const;
   void finish(Outcome outcome);
-  void addEdges(double time, const std::vector<double>& position, const std::vector<double>& velocity);
+  void addEdges(const ProbeEdge& edge);
   void requirePower() const;
   bool arrived() const;
   bool answers() const;
