@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/grid_values.h"
 #include "base/text.h"
 #include "base/units.h"
 #include "interpreters/table_sum.h"
@@ -23,36 +24,10 @@ double skewFactor(double ac, double bd, double ad) {
   return std::tan(std::asin((ac * ac - side * side - ad * ad) / (2.0 * side * ad)));
 }
 
-/// Equal steps along one axis of a mesh, mm.
-struct MeshAxis {
-  double first = 0.0, step = 0.0;
-  int count = 0;
-
-  std::vector<double> positions() const {
-    std::vector<double> positions;
-    for (int i = 0; i < count; ++i) positions.push_back(first + i * step);
-    return positions;
-  }
-  /// The point before a place, and the share of the way to the next; the ends are held.
-  std::pair<int, double> place(double at) const {
-    const int i = std::clamp(static_cast<int>(std::floor((at - first) / step)), 0, count - 2);
-    return {i, std::clamp((at - (first + step * i)) / step, 0.0, 1.0)};
-  }
-};
-
 /// Heights of a bed mesh, mm: straight lines between its points, the border beyond.
 struct KlipperMesh {
-  MeshAxis alongX, alongY;
-  std::vector<std::vector<double>> rows;  // of y
-
-  double at(double x, double y) const {
-    const auto [i, tx] = alongX.place(x);
-    const auto [k, ty] = alongY.place(y);
-    const auto along = [i = i, tx = tx](const std::vector<double>& row) {
-      return (1.0 - tx) * row[i] + tx * row[i + 1];
-    };
-    return (1.0 - ty) * along(rows[k]) + ty * along(rows[k + 1]);
-  }
+  std::vector<std::vector<double>> at;  // positions of y and of x
+  std::vector<double> heights;          // x fastest
 };
 
 /// What Klipper does to positions after the commands of its start, mm and degC.
@@ -64,58 +39,34 @@ struct KlipperState {
   std::optional<KlipperMesh> mesh;
 };
 
-class KlipperInterpreter : public Interpreter {
- public:
-  explicit KlipperInterpreter(KlipperState state) : state_(std::move(state)) {}
+/// Steps of the z motor are not counted: Klipper leaves changes below one of them out.
+double thermalAdjustment(const KlipperState& state, const CommandedState& command) {
+  if (!state.adjusts) return 0.0;
+  const auto found = command.temperature.find("z_thermal_adjust");
+  if (found == command.temperature.end())
+    throw InputError("z_thermal_adjust needs a temperature of that name, which the command does not have");
+  const double most = std::abs(state.mostAdjusted);
+  return std::clamp(-state.coefficient * (found->second - *state.reference), -most, most);
+}
 
-  std::map<std::string, double> motors(const CommandedState& command) const override {
-    const KlipperState& s = state_;
-    const bool skews = s.xy != 0.0 || s.xz != 0.0 || s.yz != 0.0;
-    if (!skews && !s.adjusts && !s.mesh) return command.position;
-    double x = commanded(command, "x") / kMillimetre, y = commanded(command, "y") / kMillimetre,
-           z = commanded(command, "z") / kMillimetre;
-    x = x - y * s.xy - z * (s.xz - s.xy * s.yz);
-    y = y - z * s.yz;
-    z += adjustment(command);
-    if (s.mesh) z += s.mesh->at(x, y);
-    std::map<std::string, double> motors = command.position;
-    motors["x"] = x * kMillimetre;
-    motors["y"] = y * kMillimetre;
-    motors["z"] = z * kMillimetre;
-    return motors;
-  }
+JointPoints klipperPoints(const KlipperState& state) {
+  JointPoints points = skewedJoints(state.xy, state.xz, state.yz);
+  if (state.adjusts || state.mesh) points["z"];
+  if (!state.mesh) return points;
+  addPoints("y", inUnit(state.mesh->at[0], kMillimetre), points);
+  addPoints("x", inUnit(state.mesh->at[1], kMillimetre), points);
+  return points;
+}
 
-  JointPoints points() const override {
-    JointPoints points;
-    if (state_.xy != 0.0 || state_.xz != 0.0) points["x"];
-    if (state_.yz != 0.0) points["y"];
-    if (state_.adjusts || state_.mesh) points["z"];
-    if (!state_.mesh) return points;
-    addPoints("x", inUnit(state_.mesh->alongX.positions(), kMillimetre), points);
-    addPoints("y", inUnit(state_.mesh->alongY.positions(), kMillimetre), points);
-    return points;
-  }
-
- private:
-  /// Steps of the z motor are not counted: Klipper leaves changes below one of them out.
-  double adjustment(const CommandedState& command) const {
-    if (!state_.adjusts) return 0.0;
-    const auto found = command.temperature.find("z_thermal_adjust");
-    if (found == command.temperature.end())
-      throw InputError("z_thermal_adjust needs a temperature of that name, which the command does not have");
-    const double most = std::abs(state_.mostAdjusted);
-    return std::clamp(-state_.coefficient * (found->second - *state_.reference), -most, most);
-  }
-
-  KlipperState state_;
-};
-
-MeshAxis meshAxis(const KeyedValues& profile, const std::string& axis) {
+std::vector<double> meshPositions(const KeyedValues& profile, const std::string& axis) {
   const int count = profile.integer(axis + "_count", 2, 1000);
   const double least = profile.number("min_" + axis, {}, -kHuge, kHuge),
                most = profile.number("max_" + axis, {}, -kHuge, kHuge);
   if (!(most > least)) refuse(profile.place("max_" + axis), "max_" + axis + " is not above min_" + axis);
-  return {least, (most - least) / (count - 1), count};
+  const double step = (most - least) / (count - 1);
+  std::vector<double> positions;
+  for (int i = 0; i < count; ++i) positions.push_back(least + i * step);
+  return positions;
 }
 
 /// A profile as SAVE_CONFIG writes it where nothing is filled in between the points that were probed.
@@ -125,22 +76,22 @@ KlipperMesh meshOf(const ConfigSection& profile, const KeyedValues& settings) {
     refuse(algorithm.place, "algo: '" + algorithm.text + "' is not read, only direct (mesh_pps: 0, 0)");
   if (settings.number("fade_end", 0.0) > 0.0)
     refuse(settings.place("fade_end"), "fade_end: a mesh that fades is not read; take fade_end out");
-  KlipperMesh mesh;
-  mesh.alongX = meshAxis(profile.values, "x");
-  mesh.alongY = meshAxis(profile.values, "y");
+  const std::vector<double> alongX = meshPositions(profile.values, "x"),
+                            alongY = meshPositions(profile.values, "y");
+  KlipperMesh mesh{{alongY, alongX}, {}};
   const FilePlace& place = profile.values.need("points").place;
   const auto points = profile.below.find("points");
-  for (const TextLine& line : points == profile.below.end() ? std::vector<TextLine>{} : points->second) {
-    mesh.rows.emplace_back();
-    for (const std::string& cell : partsBetween(line.text, ','))
-      mesh.rows.back().push_back(tableNumber(cell, line.place, "points"));
-    if (static_cast<int>(mesh.rows.back().size()) != mesh.alongX.count)
-      refuse(line.place, "points: a row of " + std::to_string(mesh.rows.back().size()) +
-                             " heights, x_count is " + std::to_string(mesh.alongX.count));
+  const std::vector<TextLine> rows = points == profile.below.end() ? std::vector<TextLine>{} : points->second;
+  for (const TextLine& row : rows) {
+    const std::vector<std::string> cells = partsBetween(row.text, ',');
+    for (const std::string& cell : cells) mesh.heights.push_back(tableNumber(cell, row.place, "points"));
+    if (cells.size() != alongX.size())
+      refuse(row.place, "points: a row of " + std::to_string(cells.size()) + " heights, x_count is " +
+                            std::to_string(alongX.size()));
   }
-  if (static_cast<int>(mesh.rows.size()) != mesh.alongY.count)
-    refuse(place, "points: " + std::to_string(mesh.rows.size()) + " rows, y_count is " +
-                      std::to_string(mesh.alongY.count));
+  if (rows.size() != alongY.size())
+    refuse(place,
+           "points: " + std::to_string(rows.size()) + " rows, y_count is " + std::to_string(alongY.size()));
   return mesh;
 }
 
@@ -259,7 +210,16 @@ class KlipperReader {
 }  // namespace
 
 std::unique_ptr<Interpreter> interpretKlipper(const std::filesystem::path& folder) {
-  return std::make_unique<KlipperInterpreter>(KlipperReader(folder).take());
+  const KlipperState state = KlipperReader(folder).take();
+  const auto move = [state](const CommandedState& command, Eigen::Vector3d& place) {
+    const double x = place.x() / kMillimetre, y = place.y() / kMillimetre, z = place.z() / kMillimetre;
+    const double skewedX = x - y * state.xy - z * (state.xz - state.xy * state.yz),
+                 skewedY = y - z * state.yz;
+    double height = z + thermalAdjustment(state, command);
+    if (state.mesh) height += gridValue(gridCorners(state.mesh->at, {skewedY, skewedX}), state.mesh->heights);
+    place = Eigen::Vector3d(skewedX, skewedY, height) * kMillimetre;
+  };
+  return std::make_unique<TableSum>(move, klipperPoints(state));
 }
 
 }  // namespace mm

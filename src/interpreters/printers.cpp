@@ -6,7 +6,6 @@
 // is taken as forwards.
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "base/error.h"
 #include "base/units.h"
@@ -51,47 +50,6 @@ std::vector<GcodeCommand> gcodeCommands(const std::filesystem::path& file) {
   return commands;
 }
 
-/// Angles between the axes, and reversals: what firmware of printers compensates.
-class PrinterInterpreter : public Interpreter {
- public:
-  /// Moves x and y of a place by the angles, m.
-  using Skew = std::function<void(double& x, double& y, double z)>;
-
-  /// @param skewed joints that the angles move.
-  PrinterInterpreter(Skew skew, std::set<std::string> skewed, std::vector<AxisTable> reversals)
-      : skew_(std::move(skew)), skewed_(std::move(skewed)), reversals_(std::move(reversals)) {}
-
-  std::map<std::string, double> motors(const CommandedState& command) const override {
-    std::map<std::string, double> motors = command.position;
-    if (!skewed_.empty()) {
-      double x = commanded(command, "x"), y = commanded(command, "y");
-      skew_(x, y, commanded(command, "z"));
-      motors["x"] = x;
-      motors["y"] = y;
-    }
-    reversals_.add(command, motors);
-    return motors;
-  }
-  JointPoints points() const override {
-    JointPoints points = reversals_.points();
-    for (const std::string& joint : skewed_) points[joint];
-    return points;
-  }
-
- private:
-  Skew skew_;
-  std::set<std::string> skewed_;
-  TableSum reversals_;
-};
-
-/// x and y, as far as an angle moves them.
-std::set<std::string> skewedJoints(double xy, double xz, double yz) {
-  std::set<std::string> joints;
-  if (xy != 0.0 || xz != 0.0) joints.insert("x");
-  if (yz != 0.0) joints.insert("y");
-  return joints;
-}
-
 /// Takes the axes of M425 over; F and S are no axes. m, rad.
 void takeGaps(const std::map<char, double>& words, std::map<std::string, double>& gaps) {
   for (const auto& [letter, size] : words) {
@@ -130,11 +88,12 @@ std::unique_ptr<Interpreter> interpretMarlin(const std::filesystem::path& folder
       correction = std::floor(std::clamp(words.at('F'), 0.0, 1.0) * kAllOn + 0.5) / kAllOn;
   }
   const double xy = factors['I'], xz = factors['J'], yz = factors['K'];
-  const auto skew = [=](double& x, double& y, double z) {
-    x = (x / kMillimetre - y / kMillimetre * xy - z / kMillimetre * (xz - xy * yz)) * kMillimetre;
-    y = (y / kMillimetre - z / kMillimetre * yz) * kMillimetre;
+  const auto skew = [=](const CommandedState&, Eigen::Vector3d& place) {
+    const double x = place.x() / kMillimetre, y = place.y() / kMillimetre, z = place.z() / kMillimetre;
+    place.x() = (x - y * xy - z * (xz - xy * yz)) * kMillimetre;
+    place.y() = (y - z * yz) * kMillimetre;
   };
-  return std::make_unique<PrinterInterpreter>(skew, skewedJoints(xy, xz, yz), reversalsOf(gaps, correction));
+  return std::make_unique<TableSum>(skew, skewedJoints(xy, xz, yz), reversalsOf(gaps, correction));
 }
 
 std::unique_ptr<Interpreter> interpretReprapfirmware(const std::filesystem::path& folder) {
@@ -159,11 +118,11 @@ std::unique_ptr<Interpreter> interpretReprapfirmware(const std::filesystem::path
   if (!std::filesystem::exists(folder / "config.g") && !std::filesystem::exists(folder / "config-override.g"))
     throw InputError(folder.string() +
                      ": has neither config.g nor config-override.g, which reprapfirmware reads");
-  const auto skew = [=](double& x, double& y, double z) {
-    x += xy * y + xz * z;
-    y += yz * z;
+  const auto skew = [=](const CommandedState&, Eigen::Vector3d& place) {
+    place.x() += xy * place.y() + xz * place.z();
+    place.y() += yz * place.z();
   };
-  return std::make_unique<PrinterInterpreter>(skew, skewedJoints(xy, xz, yz), reversalsOf(gaps, 1.0));
+  return std::make_unique<TableSum>(skew, skewedJoints(xy, xz, yz), reversalsOf(gaps, 1.0));
 }
 
 }  // namespace mm

@@ -45,11 +45,11 @@ double AxesGrid::value(const CommandedState& command) const {
 
 std::map<std::string, double> TableSum::motors(const CommandedState& command) const {
   std::map<std::string, double> motors = command.position;
-  add(command, motors);
-  return motors;
-}
-
-void TableSum::add(const CommandedState& command, std::map<std::string, double>& motors) const {
+  if (!moved_.empty()) {
+    Eigen::Vector3d place(commanded(command, "x"), commanded(command, "y"), commanded(command, "z"));
+    move_(command, place);
+    for (Eigen::Index a = 0; a < 3; ++a) motors[std::string(1, "xyz"[a])] = place[a];
+  }
   for (const AxisTable& table : tables_) {
     const auto motor = motors.find(table.output);
     if (motor == motors.end()) continue;
@@ -60,10 +60,11 @@ void TableSum::add(const CommandedState& command, std::map<std::string, double>&
   for (const AxesGrid& grid : grids_)
     if (const auto motor = motors.find(grid.output); motor != motors.end())
       motor->second += grid.value(command);
+  return motors;
 }
 
 JointPoints TableSum::points() const {
-  JointPoints points;
+  JointPoints points = moved_;
   for (const AxisTable& table : tables_) {
     if (!table.alwaysTold && table.positive.addsNothing() && table.negative.addsNothing()) continue;
     points[table.output];
@@ -76,6 +77,13 @@ JointPoints TableSum::points() const {
     for (std::size_t a = 0; a < grid.at.size(); ++a) addPoints(grid.inputs[a], grid.at[a], points);
   }
   return points;
+}
+
+JointPoints skewedJoints(double xy, double xz, double yz) {
+  JointPoints joints;
+  if (xy != 0.0 || xz != 0.0) joints["x"];
+  if (yz != 0.0) joints["y"];
+  return joints;
 }
 
 void addPoints(const std::string& joint, const std::vector<double>& positions, JointPoints& points) {

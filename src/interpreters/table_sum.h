@@ -1,4 +1,6 @@
 #pragma once
+#include <Eigen/Core>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -49,26 +51,34 @@ struct AxesGrid {
   double value(const CommandedState& command) const;  ///< at a command, m or rad
 };
 
-/// Motor = command + every table's value at the command: how most controllers compensate.
+/// Motor = command + every table's value at the command: how most controllers compensate. Firmware of
+/// printers first moves the place that x, y and z have together.
 class TableSum : public Interpreter {
  public:
+  /// Moves a place (x, y, z of the command, m) by angles between the axes, a mesh, a temperature.
+  using Move = std::function<void(const CommandedState& command, Eigen::Vector3d& place)>;
   /// Tables of a controller. @param numbers as `numbers()` gives them.
   explicit TableSum(std::vector<AxisTable> tables, std::map<std::string, std::set<int>> numbers = {})
       : tables_(std::move(tables)), numbers_(std::move(numbers)) {}
   TableSum(std::vector<AxisTable> tables, std::vector<AxesGrid> grids)
       : tables_(std::move(tables)), grids_(std::move(grids)) {}
+  /// @param moved joints that `move` moves or looks at, with its points over them; none: it moves nothing.
+  TableSum(Move move, JointPoints moved, std::vector<AxisTable> tables = {})
+      : move_(std::move(move)), moved_(std::move(moved)), tables_(std::move(tables)) {}
   std::map<std::string, double> motors(const CommandedState& command) const override;
   JointPoints points() const override;
   std::map<std::string, std::set<int>> numbers() const override { return numbers_; }
-  /// Adds the tables' values to motors that are there.
-  void add(const CommandedState& command, std::map<std::string, double>& motors) const;
 
  private:
+  Move move_;
+  JointPoints moved_;
   std::vector<AxisTable> tables_;
   std::vector<AxesGrid> grids_;
   std::map<std::string, std::set<int>> numbers_;
 };
 
+/// x and y, as far as an angle (tangent) between two axes moves them.
+JointPoints skewedJoints(double xy, double xz, double yz);
 /// Puts positions of tables over `joint` among those that are known of it.
 void addPoints(const std::string& joint, const std::vector<double>& positions, JointPoints& points);
 
