@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/read_file.h"
 #include "calibration_file/atomic_file.h"
 
 namespace mm {
@@ -41,25 +42,15 @@ fs::path parentOf(const fs::path& folder) {
   return parent.empty() ? fs::path(".") : parent;
 }
 
-/// The names in an earlier export's own list, and the target; empty: it is none.
-struct Earlier {
-  std::string target;
-  std::vector<std::string> files;
-};
-
-Earlier earlierExport(const fs::path& folder) {
-  Earlier earlier;
-  std::error_code error;
-  if (!fs::is_regular_file(folder / kReport, error)) return earlier;
+/// What an earlier export says of itself; without a target: it is none.
+ExportDescription earlierExport(const fs::path& folder) {
   try {
-    const auto json = nlohmann::json::parse(readFile(folder / kReport));
-    for (const auto& file : json.at("files"))
-      earlier.files.push_back(fs::path(file.at("path").get<std::string>()).begin()->string());
-    earlier.target = json.at("target").get<std::string>();
-  } catch (const nlohmann::json::exception&) {
+    return describeExport(folder);
+  } catch (const UnreadableFile&) {
+    throw;
+  } catch (const InputError&) {
     return {};  // not one of ours
   }
-  return earlier;
 }
 
 }  // namespace
@@ -80,11 +71,10 @@ void checkExportFolder(const fs::path& folder, const std::string& target, bool f
   if (!fs::exists(fs::symlink_status(folder, error))) return;
   if (fs::is_symlink(withoutSlash(folder), error) || !fs::is_directory(folder, error))
     throw InputError("-o " + name + ": is not a folder; name a new one");
-  const Earlier earlier = earlierExport(folder);
+  const ExportDescription earlier = earlierExport(folder);
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string file = entry.path().filename().string();
-    if (earlier.target.empty() ||
-        std::find(earlier.files.begin(), earlier.files.end(), file) == earlier.files.end())
+    if (earlier.target.empty() || earlier.files.count(file) == 0)
       throw InputError("-o " + name + ": holds '" + file +
                        "', which is not from an export; name a new folder, or move it away");
   }

@@ -77,6 +77,8 @@ ExportDescription describeExport(const fs::path& folder) {
     found.calibration = json.value("calibration", "");
     found.letters = json.value("axes", found.letters);
     found.sensors = json.value("sensors", found.sensors);
+    for (const auto& path : json.value("files", nlohmann::json::array()))
+      found.files.insert(fs::path(path.at("path").get<std::string>()).begin()->string());
     if (json.contains("touched")) found.touched = json.at("touched").get<std::set<std::string>>();
   } catch (const nlohmann::json::exception& e) {
     throw InputError(file.string() + ": is not what mm export writes (" + e.what() +

@@ -20,6 +20,7 @@ struct ExportDescription {
   std::string target, calibration;               // empty target: the folder has no such file
   std::map<std::string, std::string> letters;    // joint -> the controller's axis
   std::map<std::string, std::string> sensors;    // the controller's name -> the calibration's
+  std::set<std::string> files;                   // files and folders that it put there
   std::optional<std::set<std::string>> touched;  // axes whose tables are new; null: all that there are
 };
 /// @throw InputError: the file is there and is not what `mm export` writes.
@@ -62,8 +63,7 @@ std::shared_ptr<const LoadedCompensation> loadedCompensation(const ControllerCom
 /// Of the option with such a statement.
 inline constexpr const char* kCompensationHelp =
     "what the controller compensated while measuring: none, or the folder with its tables, as mm export "
-    "wrote "
-    "it or as an interpreter reads it [not stated]";
+    "wrote it or as an interpreter reads it [not stated]";
 
 /// Reads a statement as it is typed: `none`, a folder that `mm export` wrote, or one with the files that an
 /// interpreter reads (docs/interpreters.md), its controller before it where several could
