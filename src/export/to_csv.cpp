@@ -19,9 +19,7 @@ constexpr unsigned kCsvSeed = 31;
 constexpr double kArms = 1e-4;  // m: arms that differ less tell no rotation
 
 /// Errors of one carriage at one place: translation (m) and rotation (rad) against those at the reference.
-struct CarriageError {
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero(), rotation = Eigen::Vector3d::Zero();
-};
+using CarriageError = Eigen::Matrix<double, 6, 1>;
 
 /// The kinematic chain in the axes of the workpiece, all joints at zero.
 struct Chain {
@@ -72,11 +70,12 @@ CarriageError explained(const std::vector<Eigen::Vector3d>& more, const std::vec
   }
   Eigen::JacobiSVD<Eigen::MatrixXd> svd(lever, Eigen::ComputeThinU | Eigen::ComputeThinV);
   const Eigen::VectorXd s = svd.singularValues();
-  CarriageError error;
+  Eigen::Vector3d rotation = Eigen::Vector3d::Zero();
   for (Eigen::Index k = 0; k < 3; ++k)
     if (s[k] > kArms * std::sqrt(n))
-      error.rotation += svd.matrixV().col(k) * (svd.matrixU().col(k).dot(moved) / s[k]);
-  error.translation = meanMore - error.rotation.cross(meanArm);
+      rotation += svd.matrixV().col(k) * (svd.matrixU().col(k).dot(moved) / s[k]);
+  CarriageError error;
+  error << meanMore - rotation.cross(meanArm), rotation;
   return error;
 }
 
@@ -89,9 +88,9 @@ std::vector<State> statesFor(const NeededCorrection& needed) {
   return states;
 }
 
-/// Of one joint, at each of its positions: upwards and downwards.
-std::vector<std::array<CarriageError, 2>> errorsOf(const NeededCorrection& needed, const Chain& chain,
-                                                   int joint, const std::vector<double>& at) {
+/// Of one joint, a row at each of its positions: upwards, then downwards.
+Eigen::MatrixXd errorsOf(const NeededCorrection& needed, const Chain& chain, int joint,
+                         const std::vector<double>& at) {
   std::vector<State> states = statesFor(needed);
   const auto j = static_cast<std::size_t>(joint);
   const auto displaced = [&](State& s, double position, double travel) {
@@ -103,48 +102,31 @@ std::vector<std::array<CarriageError, 2>> errorsOf(const NeededCorrection& neede
   for (State& s : states)
     reference.push_back(
         0.5 * (displaced(s, needed.reference(joint), 1.0) + displaced(s, needed.reference(joint), -1.0)));
-  std::vector<std::array<CarriageError, 2>> errors;
-  for (const double position : at) {
-    errors.emplace_back();
+  Eigen::MatrixXd errors(at.size(), 12);
+  for (Eigen::Index n = 0; n < errors.rows(); ++n)
     for (int way = 0; way < 2; ++way) {
       std::vector<Eigen::Vector3d> more, arms;
       for (std::size_t i = 0; i < states.size(); ++i) {
-        more.push_back(displaced(states[i], position, way == 0 ? 1.0 : -1.0) - reference[i]);
+        more.push_back(displaced(states[i], at[n], way == 0 ? 1.0 : -1.0) - reference[i]);
         arms.push_back(armOf(needed, chain, states[i], joint));
       }
-      errors.back()[way] = explained(more, arms);
+      errors.block<1, 6>(n, 6 * way) = explained(more, arms).transpose();
     }
-  }
   return errors;
 }
 
 /// The same at the points of a table, zero at the reference, from samples between them: a period that is
 /// shorter than the steps is left alone.
-std::vector<std::array<CarriageError, 2>> fittedErrors(const NeededCorrection& needed, const Chain& chain,
-                                                       const LineTable& table) {
-  const std::vector<double>& points = table.at;
-  const int joint = table.input;
-  const std::vector<double> at = samplesWithin(points, table.samplesAStep);
-  const std::vector<std::array<CarriageError, 2>> sampled = errorsOf(needed, chain, joint, at);
-  Eigen::MatrixXd curves(at.size(), 12);
-  for (std::size_t n = 0; n < at.size(); ++n)
-    curves.row(n) << sampled[n][0].translation.transpose(), sampled[n][0].rotation.transpose(),
-        sampled[n][1].translation.transpose(), sampled[n][1].rotation.transpose();
-  Eigen::MatrixXd values = hatOrLineFit(points, at, curves);
-  const auto [place, share] = placeAmong(points, needed.reference(joint));
+Eigen::MatrixXd fittedErrors(const NeededCorrection& needed, const Chain& chain, const LineTable& table) {
+  const std::vector<double> at = samplesWithin(table.at, table.samplesAStep);
+  Eigen::MatrixXd values = hatOrLineFit(table.at, at, errorsOf(needed, chain, table.input, at));
+  const auto [place, share] = placeAmong(table.at, needed.reference(table.input));
   const auto before = static_cast<Eigen::Index>(place);
   const Eigen::RowVectorXd there = (1.0 - share) * values.row(before) + share * values.row(before + 1);
   const Eigen::RowVectorXd zero = 0.5 * (there.head(6) + there.tail(6));
   values.leftCols(6).rowwise() -= zero;
   values.rightCols(6).rowwise() -= zero;
-  std::vector<std::array<CarriageError, 2>> errors(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i)
-    for (std::size_t way = 0; way < 2; ++way) {
-      const auto row = static_cast<Eigen::Index>(i), first = static_cast<Eigen::Index>(6 * way);
-      errors[i][way].translation = values.block<1, 3>(row, first).transpose();
-      errors[i][way].rotation = values.block<1, 3>(row, first + 3).transpose();
-    }
-  return errors;
+  return values;
 }
 
 std::string chainTable(const NeededCorrection& needed, const Chain& chain) {
@@ -164,16 +146,15 @@ std::string chainTable(const NeededCorrection& needed, const Chain& chain) {
   return text + "tip,,,," + vector((chain.tip - last) / kMillimetre, 6) + ",\n";
 }
 
-void addErrorTables(const ExportAxis& axis, const std::vector<double>& at,
-                    const std::vector<std::array<CarriageError, 2>>& errors, Exported& out) {
+void addErrorTables(const ExportAxis& axis, const std::vector<double>& at, const Eigen::MatrixXd& errors,
+                    Exported& out) {
   for (Eigen::Index k = 0; k < 3; ++k) {
     std::string linear = "position_mm,positive_um,negative_um\n", angular = "position_mm,value_urad\n";
-    for (std::size_t i = 0; i < at.size(); ++i) {
+    for (Eigen::Index i = 0; i < errors.rows(); ++i) {
       const std::string where = fixed(at[i] / kMillimetre, 4);
-      linear += where + "," + fixed(errors[i][0].translation[k] / kMicrometre, 5) + "," +
-                fixed(errors[i][1].translation[k] / kMicrometre, 5) + "\n";
-      angular +=
-          where + "," + fixed(0.5 * (errors[i][0].rotation[k] + errors[i][1].rotation[k]) * 1e6, 5) + "\n";
+      linear += where + "," + fixed(errors(i, k) / kMicrometre, 5) + "," +
+                fixed(errors(i, 6 + k) / kMicrometre, 5) + "\n";
+      angular += where + "," + fixed(0.5 * (errors(i, 3 + k) + errors(i, 9 + k)) * 1e6, 5) + "\n";
     }
     const std::string joint = capital(axis.letter);
     const std::string translation = "E" + std::string(1, "XYZ"[k]) + joint,
@@ -195,7 +176,7 @@ Exported toCsv(const NeededCorrection& needed, const ExportOptions&) {
   for (const int joint : needed.linear()) {
     if (!needed.moved(joint) && needed.activePoints(joint).empty()) continue;
     const LineTable table = lineTable(needed, joint, kCsvMostPoints);
-    addNotFollowed(notFollowed(needed, table, needed.linear()), out);
+    addNotFollowed(needed, table, needed.linear(), out);
     addErrorTables(needed.axis(joint), table.at, fittedErrors(needed, chain, table), out);
   }
   out.files.push_back({"chain.csv", "the kinematic chain from workpiece to tip, in the axes of the workpiece",
@@ -205,12 +186,10 @@ Exported toCsv(const NeededCorrection& needed, const ExportOptions&) {
       "apart";
   out.load = {
       "Read the tables by their names: E, direction of the error, axis that moves (ISO 230-1). EXX "
-      "positioning, "
-      "EYX straightness, EAX roll (about X), EBX, ECX.",
+      "positioning, EYX straightness, EAX roll (about X), EBX, ECX.",
       "Errors are actual minus commanded, seen from the workpiece: a compensation takes them away.",
       "Rotations turn, right-handed, about the origin of the joint's fixed side (chain.csv), what follows in "
-      "the "
-      "chain: displacement = translation + rotation x arm from there to the tip."};
+      "the chain: displacement = translation + rotation x arm from there to the tip."};
   out.reference =
       "Every table is zero at position 0 of its axis (mean of both directions), or at the end of the "
       "calibrated range that is nearest to it. Squareness is in the tables: the slope of EYX over x is C0X, "
