@@ -109,10 +109,6 @@ Exported exportedFor(const ExportTarget& target, const NeededCorrection& needed,
   return out;
 }
 
-void addNotFollowed(const std::vector<std::string>& told, Exported& out) {
-  out.notFollowed.insert(out.notFollowed.end(), told.begin(), told.end());
-}
-
 std::string fixed(double value, int digits) {
   std::string text = format("%.*f", digits, value);
   if (text.find_first_not_of("-0.") == std::string::npos && text[0] == '-') text.erase(0, 1);

@@ -56,9 +56,6 @@ Exported exportedFor(const ExportTarget& target, const NeededCorrection& needed,
 /// tables do with it: one or two sentences.
 std::string activeWords(const ExportTarget& target, const NeededCorrection& needed, const Exported& exported);
 
-/// Takes over what notFollowed() tells of a table.
-void addNotFollowed(const std::vector<std::string>& told, Exported& out);
-
 /// All of them, in the order of the documents. A new one is a file, and a line here and in targets.h.
 const std::vector<ExportTarget>& exportTargets();
 /// @throw InputError naming the targets that there are.

@@ -225,20 +225,18 @@ Eigen::VectorXd meanCorrection(const NeededCorrection& needed, int input, double
                 meanAt(needed, part, others, input, position, -1.0));
 }
 
-std::vector<std::string> notFollowed(const NeededCorrection& needed, const LineTable& table,
-                                     const std::vector<int>& outputs) {
-  std::vector<std::string> told;
+void addNotFollowed(const NeededCorrection& needed, const LineTable& table, const std::vector<int>& outputs,
+                    Exported& out) {
   const auto letter = [&](int joint) { return capital(needed.axis(joint).letter); };
   for (const int output : outputs) {
     const double left = table.left[output];
     if (left < kToldLeft) continue;
-    told.push_back(format(
+    out.notFollowed.push_back(format(
         "the correction of %s by the position of %s varies between the points even of the finest table (%zu "
         "points, every %.4g mm): up to %s of it remain",
         letter(output).c_str(), letter(table.input).c_str(), table.at.size(),
         (table.at[1] - table.at[0]) / kMillimetre, errorInWords(left, false).c_str()));
   }
-  return told;
 }
 
 double PlaneTable::interpolated(int output, double a, double b) const {

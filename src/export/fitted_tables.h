@@ -8,6 +8,8 @@
 
 namespace mm {
 
+struct Exported;
+
 /// Correction of every joint over the position of one axis, for either direction of its travel: what is
 /// common to the whole calibrated volume and its temperatures (the mean over them), less its value at the
 /// reference. SI.
@@ -50,10 +52,9 @@ Eigen::VectorXd meanOver(const NeededCorrection& needed, CorrectionPart part, st
 Eigen::VectorXd meanCorrection(const NeededCorrection& needed, int input, double position,
                                CorrectionPart part = &NeededCorrection::at);
 
-/// For people: which of `outputs` the table does not follow, how many points it has and what it leaves.
-/// Empty: all are followed.
-std::vector<std::string> notFollowed(const NeededCorrection& needed, const LineTable& table,
-                                     const std::vector<int>& outputs);
+/// Tells in `out` which of `outputs` the table does not follow, how many points it has and what it leaves.
+void addNotFollowed(const NeededCorrection& needed, const LineTable& table, const std::vector<int>& outputs,
+                    Exported& out);
 
 /// Correction of every joint over the positions of two axes: the mean over everything else, less its value at
 /// the reference. SI.

@@ -182,12 +182,12 @@ Exported toBeckhoff(const NeededCorrection& needed, const ExportOptions&) {
         format("kopf.log_achs_nr %d\nkopf.log_achs_name %s\n", of(joint), capital(axis.letter).c_str());
     std::string set = needed.active() != nullptr ? "lr_param.anwahl_losekomp 0\n" : "";
     if (tables.own != nullptr) {
-      addNotFollowed(notFollowed(needed, *tables.own, {joint}), out);
+      addNotFollowed(needed, *tables.own, {joint}, out);
       list += leadscrew(*tables.own, joint);
       set += "lr_param.ssfk 1\n";
     }
     if (tables.cross != nullptr) {
-      addNotFollowed(notFollowed(needed, *tables.cross, {joint}), out);
+      addNotFollowed(needed, *tables.cross, {joint}, out);
       list += cross(*tables.cross, joint, of(tables.cross->input));
       set += "lr_param.crosscomp 1\n";
     }
@@ -209,11 +209,9 @@ Exported toBeckhoff(const NeededCorrection& needed, const ExportOptions&) {
       "more";
   out.load = {
       "Compare the logical axis numbers (kopf.log_achs_nr, …_ax_nr) with the control's, and change them "
-      "where "
-      "they differ.",
+      "where they differ.",
       "Make each <axis>.lis the compensation value list of its axis (TwinCAT System Manager, or achs_kw in "
-      "the "
-      "start-up list).",
+      "the start-up list).",
       "Take the lines of <axis>.axis.lis over into the axis parameter lists. Where the backlash compensation "
       "of these axes was active while measuring, it is in the bilateral table: switch it off.",
       "Start up, home every axis: plane and cross compensation act when their masters are referenced."};

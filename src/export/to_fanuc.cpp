@@ -192,12 +192,9 @@ void addFanucWords(Exported& out) {
   out.load = {
       "Back up parameters and pitch error data.",
       "Compare the control's parameters with compare.txt: 1013#1 (increment system), 1020 (names of the "
-      "axes; "
-      "A1, A2 … must be its axes), 1820 (detection unit), 3605#0. Only these bits count: never read the file "
-      "in, "
-      "for the other bits of these bytes are the machine's. Where the detection unit is another, export "
-      "again "
-      "with --detection-unit-um.",
+      "axes; A1, A2 … must be its axes), 1820 (detection unit), 3605#0. Only these bits count: never read "
+      "the file in, for the other bits of these bytes are the machine's. Where the detection unit is "
+      "another, export again with --detection-unit-um.",
       "Set PWE, read parameters.txt in EDIT mode (data N10000 is pitch error number 0).",
       "Parameters 3620 to 3624 and the data take effect after power off, and a return to the reference "
       "position."};
@@ -210,8 +207,8 @@ void addFanucWords(Exported& out) {
       "Where in its section an increment is put out: the manual draws the numbers between the ends of the "
       "sections, so the middle is taken.",
       "The least interval, rapid traverse rate (mm/min) / 7500 (mm): compare it with 3624 in the control's "
-      "own "
-      "manual. The rapid rate is the velocity limit of the joint in the URDF unless --rapid-mm-min says it.",
+      "own manual. The rapid rate is the velocity limit of the joint in the URDF unless --rapid-mm-min says "
+      "it.",
       "3624 is written in mm with a decimal point (0i-D, 30i); 16i and older take it in units of the "
       "increment system without one."};
   out.notes.push_back(
@@ -249,7 +246,7 @@ Exported toFanuc(const NeededCorrection& needed, const ExportOptions& options) {
   for (const auto& [number, table] : written) {
     const int joint = table.input;
     const ExportAxis& axis = needed.axis(joint);
-    addNotFollowed(notFollowed(needed, table, {joint}), out);
+    addNotFollowed(needed, table, {joint}, out);
     lines.add(1013, number, as.increment);
     lines.add(1820, number, std::to_string(as.multiplier));
     lines.add(1020, number, std::to_string(static_cast<int>(capital(axis.letter)[0])));

@@ -50,7 +50,7 @@ Exported toHeidenhain(const NeededCorrection& needed, const ExportOptions&) {
     for (const ExportAxis* output : axes)
       if (changed(output) || table.largest(output->joint) > LineTable::kLeastOfATable)
         out.axes.insert(output->letter);
-    addNotFollowed(notFollowed(needed, table, needed.linear()), out);
+    addNotFollowed(needed, table, needed.linear(), out);
     out.files.push_back({file,
                          "errors of the axes by the position of " + capital(axis->letter) +
                              " in mm; BACKLASH: of " + capital(axis->letter) + " itself, downwards",
@@ -64,8 +64,7 @@ Exported toHeidenhain(const NeededCorrection& needed, const ExportOptions&) {
   out.load = {
       "Back up the tables that are in use.",
       "Copy the .com files and config.cma into the folder for compensation tables of the control "
-      "(code number "
-      "of the machine tool builder).",
+      "(code number of the machine tool builder).",
       "Switch the nonlinear axis error compensation of the axes on (iTNC: MP730; TNC 620, 640: "
       "CfgAxisComp), and choose the line with * in config.cma.",
       "Where the backlash of these axes (MP710, backLash) was active while measuring, it is in the column "

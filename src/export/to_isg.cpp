@@ -126,87 +126,57 @@ const IsgTable* inIsgGrid(const std::vector<IsgTable>& tables, std::size_t along
 std::string isgError(std::size_t along, std::size_t of) { return {'E', "XYZ"[along], "XYZ"[of]}; }
 
 /// The text of an error table: blocks of a line with names and lines with numbers.
-class IsgText {
- public:
-  void names(const std::vector<std::string>& columns) {
-    text_ += (blocks_.empty() ? "" : "#\n") + joined(columns, " ") + "\n";
-    blocks_.push_back(joined(columns, " "));
-  }
-  void position(double metres) { cell(fixed(metres / kMillimetre, 4)); }
-  /// @param correction what must be added, m: the control is told the error, and takes it off.
-  void errorOf(double correction) { cell(fixed(-correction / kMillimetre, 7)); }
-  void endRecord() {
-    text_ += "\n";
-    ++records_;
-  }
-  const std::string& text() const { return text_; }
-  const std::vector<std::string>& blocks() const { return blocks_; }
-  std::size_t records() const { return records_; }
-
- private:
-  void cell(const std::string& number) { text_ += (text_.back() == '\n' ? "" : " ") + number; }
-
-  std::string text_ =
+struct IsgText {
+  std::string text =
       "// EXY: error along X of carriage Y, actual minus commanded, mm; the control takes it off.\n"
       "// X, Y, Z: positions of the axes, mm. Errors along one direction add up.\n";
-  std::vector<std::string> blocks_;
-  std::size_t records_ = 0;
+  std::vector<std::string> blocks;  // their names
+  std::size_t records = 0;
+
+  /// @param positions, corrections m, a column each; the control is told the errors.
+  void add(const std::vector<std::string>& names, const std::vector<std::vector<double>>& positions,
+           const std::vector<std::vector<double>>& corrections) {
+    text += (blocks.empty() ? "" : "#\n") + joined(names, " ") + "\n";
+    blocks.push_back(joined(names, " "));
+    for (std::size_t i = 0; i < positions[0].size(); ++i, ++records) {
+      std::vector<std::string> cells;
+      for (const auto& column : positions) cells.push_back(fixed(column[i] / kMillimetre, 4));
+      for (const auto& column : corrections) cells.push_back(fixed(-column[i] / kMillimetre, 7));
+      text += joined(cells, " ") + "\n";
+    }
+  }
 };
-
-/// Errors along `outputs` by the position of one axis, both directions of travel together.
-void writeIsgTable(const IsgTable& table, const XyzJoints& joints, const std::vector<std::size_t>& outputs,
-                   IsgText& file) {
-  if (outputs.empty()) return;
-  std::vector<std::string> columns = {std::string(1, "XYZ"[table.axis])};
-  for (const std::size_t d : outputs) columns.push_back(isgError(d, table.axis));
-  file.names(columns);
-  for (std::size_t i = 0; i < table.line.at.size(); ++i) {
-    file.position(table.line.at[i]);
-    for (const std::size_t d : outputs) file.errorOf(table.line.mean(joints[d], i));
-    file.endRecord();
-  }
-}
-
-/// Errors by all positions at once.
-void writeIsgGrid(const IsgGrid& grid, const std::vector<IsgTable>& tables,
-                  const std::vector<std::size_t>& outputs, IsgText& file) {
-  if (outputs.empty()) return;
-  std::vector<std::string> columns;
-  for (const IsgTable& table : tables) columns.emplace_back(1, "XYZ"[table.axis]);
-  for (const std::size_t d : outputs) columns.push_back(isgError(d, inIsgGrid(tables, d)->axis));
-  file.names(columns);
-  for (std::size_t point = 0; point < grid.value[0].size(); ++point) {
-    for (std::size_t t = 0; t < tables.size(); ++t) file.position(grid.at[t][grid.place(point, t)]);
-    for (const std::size_t d : outputs) file.errorOf(grid.value[d][point]);
-    file.endRecord();
-  }
-}
 
 /// All blocks. @param all also columns of zeros. @return the outputs that have a column.
 std::set<std::size_t> writeIsgErrors(const NeededCorrection& needed, const XyzJoints& joints,
                                      const std::vector<IsgTable>& tables, bool all, IsgText& file) {
   IsgGrid grid = isgGrid(needed, joints, tables);
-  std::vector<std::size_t> gridded;
+  std::vector<std::string> arguments, gridErrors;
+  std::vector<std::vector<double>> places, gridded;
   std::set<std::size_t> written;
   for (std::size_t t = 0; t < tables.size(); ++t) {
     const IsgTable& table = tables[t];
-    std::vector<std::size_t> outputs;
+    arguments.emplace_back(1, "XYZ"[table.axis]);
+    places.emplace_back();
+    for (std::size_t point = 0; point < grid.value[0].size(); ++point)
+      places.back().push_back(grid.at[t][grid.place(point, t)]);
+    std::vector<std::string> names = {arguments.back()};
+    std::vector<std::vector<double>> columns;
     for (std::size_t d = 0; d < joints.size(); ++d) {
       std::vector<double> mean;
       for (std::size_t i = 0; i < table.line.at.size(); ++i) mean.push_back(table.line.mean(joints[d], i));
-      if (grid.matters[d] && inIsgGrid(tables, d) == &table) {
-        gridded.push_back(d);
-        for (std::size_t point = 0; point < grid.value[d].size(); ++point)
-          grid.value[d][point] += mean[table.gridPoints[grid.place(point, t)]];
-      } else if (all || isMoreThanNothing(mean)) {
-        outputs.push_back(d);
-      }
+      const bool inGrid = grid.matters[d] && inIsgGrid(tables, d) == &table;
+      if (!inGrid && !all && !isMoreThanNothing(mean)) continue;
+      for (std::size_t point = 0; inGrid && point < grid.value[d].size(); ++point)
+        grid.value[d][point] += mean[table.gridPoints[grid.place(point, t)]];
+      (inGrid ? gridErrors : names).push_back(isgError(d, table.axis));
+      (inGrid ? gridded : columns).push_back(inGrid ? grid.value[d] : mean);
+      written.insert(d);
     }
-    writeIsgTable(table, joints, outputs, file);
-    written.insert(outputs.begin(), outputs.end());
+    if (!columns.empty()) file.add(names, {table.line.at}, columns);
   }
-  writeIsgGrid(grid, tables, gridded, file);
-  written.insert(gridded.begin(), gridded.end());
+  arguments.insert(arguments.end(), gridErrors.begin(), gridErrors.end());
+  if (!gridded.empty()) file.add(arguments, places, gridded);
   return written;
 }
 
@@ -239,8 +209,7 @@ void describeIsg(Exported& out) {
       "a carriage. What angles do at the tip is in the grid, for the probe that was measured with: leave "
       "N0X, N0Y and N0Z out, or the control adds the length of the tool.",
       "Where positions act together along a direction, one of its tables stands in the grid, and has the "
-      "grid's "
-      "points only: 16 to 31 an axis.",
+      "grid's points only: 16 to 31 an axis.",
       "No column tells the direction of travel or a temperature: reversals and thermal growth are left."};
 }
 
@@ -253,21 +222,21 @@ Exported toIsg(const NeededCorrection& needed, const ExportOptions&) {
   if (std::none_of(joints.begin(), joints.end(), [&](int joint) { return needed.changes(joint); }))
     return out;
   const std::vector<IsgTable> tables = isgTables(needed, joints);
-  for (const IsgTable& table : tables) addNotFollowed(notFollowed(needed, table.line, needed.linear()), out);
+  for (const IsgTable& table : tables) addNotFollowed(needed, table.line, needed.linear(), out);
   IsgText file;
   const bool all = needed.active() != nullptr;  // whose file this one replaces, for all axes
   for (const std::size_t d : writeIsgErrors(needed, joints, tables, all, file))
     out.axes.insert(needed.axis(joints[d]).letter);
   if (out.axes.empty()) return out;
-  out.files = {{"volcomp.csv", "the error table (ISG_CSV): mm", file.text()},
+  out.files = {{"volcomp.csv", "the error table (ISG_CSV): mm", file.text},
                {"volcomp.lis", "the configuration of the volumetric compensation",
                 "# Logical axis numbers: change them where the control's differ.\nx 1\ny 2\nz 3\nchain XYZ\n"
                 "workpiece_axes 0\nmanual_activation 1\ninterpolation GRID\n# The whole path on the "
                 "control:\nfile[0] volcomp.csv\n"
                 "file_format[0] ISG_CSV\n"},
                {"startup.lis", "lines for the start-up list",
-                format("vol_comp[0].max_records %zu\nvol_comp[0].file_name volcomp.lis\n", file.records())}};
-  out.notes.push_back(format("%zu records: ", file.records()) + joined(file.blocks(), "; ") + ".");
+                format("vol_comp[0].max_records %zu\nvol_comp[0].file_name volcomp.lis\n", file.records)}};
+  out.notes.push_back(format("%zu records: ", file.records) + joined(file.blocks, "; ") + ".");
   return out;
 }
 

@@ -93,8 +93,6 @@ void addOffsets(const NeededCorrection& needed, Exported& out) {
 Exported toLinuxcnc(const NeededCorrection& needed, const ExportOptions& options) {
   Exported out;
   const std::vector<const ExportAxis*> axes = inOrder(needed);
-  std::vector<LineTable> own;
-  for (const int joint : needed.linear()) own.push_back(lineTable(needed, joint, kLinuxcncMostPoints));
   std::string coordinates, joints;
   for (const ExportAxis* axis : axes) coordinates += (coordinates.empty() ? "" : " ") + capital(axis->letter);
   for (std::size_t n = 0; n < axes.size(); ++n) {
@@ -103,17 +101,16 @@ Exported toLinuxcnc(const NeededCorrection& needed, const ExportOptions& options
     joints += format("\n[JOINT_%zu]\nTYPE = %s\n", n, linear ? "LINEAR" : "ANGULAR");
     if (!linear || !needed.moved(axis.joint)) continue;
     const std::string file = format("joint%zu.comp", n);
-    const auto table =
-        std::find_if(own.begin(), own.end(), [&](const LineTable& t) { return t.input == axis.joint; });
-    if (!table->changes(axis.joint)) continue;
+    const LineTable table = lineTable(needed, axis.joint, kLinuxcncMostPoints);
+    if (!table.changes(axis.joint)) continue;
     out.axes.insert(axis.letter);
-    addNotFollowed(notFollowed(needed, *table, {axis.joint}), out);
+    addNotFollowed(needed, table, {axis.joint}, out);
     joints += "COMP_FILE = " + file + "\nCOMP_FILE_TYPE = 1\n";
     out.files.push_back({file,
                          format("joint %zu (%s): position in mm, what is added to the motor upwards and "
                                 "downwards in mm; %zu points",
-                                n, capital(axis.letter).c_str(), table->at.size()),
-                         triplets(*table, axis.joint)});
+                                n, capital(axis.letter).c_str(), table.at.size()),
+                         triplets(table, axis.joint)});
   }
   out.files.insert(out.files.begin(), {"machine.ini", "the lines for the INI file; not a whole one",
                                        "[TRAJ]\nCOORDINATES = " + coordinates +
@@ -124,8 +121,7 @@ Exported toLinuxcnc(const NeededCorrection& needed, const ExportOptions& options
       "Take COMP_FILE and COMP_FILE_TYPE of each [JOINT_n] over from machine.ini into the machine's own. "
       "Where the machine numbers its joints otherwise, go by the letters.",
       "With a COMP_FILE the BACKLASH of a joint is not used: what is left of its reversal, or all of it, is "
-      "in "
-      "the table. Joints without a COMP_FILE here keep theirs.",
+      "in the table. Joints without a COMP_FILE here keep theirs.",
       "Give the drives room: at a reversal the correction is run in with up to half the joint's velocity "
       "and acceleration on top of the move (STEPGEN_MAXACCEL, STEPGEN_MAXVEL).",
       "Start LinuxCNC anew, which loads the tables, and home: they count from the homed zero of each joint."};

@@ -83,7 +83,7 @@ Exported toSiemens(const NeededCorrection& needed, const ExportOptions&) {
   for (const int input : needed.linear()) {
     if (!needed.moved(input) && needed.activePoints(input).empty()) continue;
     by.push_back(lineTable(needed, input, kSiemensMostPoints));
-    addNotFollowed(notFollowed(needed, by.back(), needed.linear()), out);
+    addNotFollowed(needed, by.back(), needed.linear(), out);
     for (const int output : needed.linear())
       if (by.back().changes(output)) out.axes.insert(needed.axis(output).letter);
   }
@@ -121,9 +121,8 @@ Exported toSiemens(const NeededCorrection& needed, const ExportOptions&) {
       "The sign: that a positive value moves the axis in the negative direction is documented for "
       "$AA_ENC_COMP, the other table of the same function, and taken over from there. Check with one move.",
       "$AN_CEC_MULT_BY_TABLE is not used: the product counts beside the table's own value, so that a plane "
-      "of "
-      "two positions would need tables that are nothing by themselves. What depends on two positions at once "
-      "(roll, twist) is therefore left.",
+      "of two positions would need tables that are nothing by themselves. What depends on two positions at "
+      "once (roll, twist) is therefore left.",
       "828D has eight tables of 200 points, which no table here exceeds; where there are more tables here, "
       "leave out the smallest, and leave cec_1_memory.mpf out: its points are fixed."};
   out.notes = {format("%d tables%s%s.", tables.count, tables.count == 0 ? "" : ": ", tables.list.c_str()),
