@@ -103,8 +103,7 @@ std::string squarenessText(const Calibration& c, const std::vector<EffectSpec>& 
   if (text.empty()) return "none is compensated";
   return text +
          ". Positive: the axis is turned right-handed about the direction that the symbol begins with (C: +Z "
-         "of "
-         "the workpiece), actual minus nominal; the compensation takes it away";
+         "of the workpiece), actual minus nominal; the compensation takes it away";
 }
 
 std::string volumeText(const Calibration& c, const Machine& machine, const std::vector<Iso230Axis>& axes) {

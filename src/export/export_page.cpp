@@ -52,9 +52,8 @@ std::string signText(const NeededCorrection& needed, const ExportTarget& target,
          format(
              "\n"
              "The motor of %s (or a dial gauge against the same move without the tables) must then stand "
-             "%.2f "
-             "um %s of where it stands without them. If it stands on the other side, all signs are reversed: "
-             "do not use the tables as they are.\n",
+             "%.2f um %s of where it stands without them. If it stands on the other side, all signs are "
+             "reversed: do not use the tables as they are.\n",
              capital(check.axis->letter).c_str(), std::abs(check.added) / kMicrometre,
              check.added > 0.0 ? "on the positive side" : "on the negative side");
 }
@@ -91,11 +90,7 @@ std::string range(const NeededCorrection& needed) {
 /// measuring.
 std::string beforeAndAfterText(const Representability& judged) {
   if (!std::isfinite(judged.heldOut)) return "not known: the session has no lengths";
-  const auto um = [&](const LeftOfModel& left) {
-    const ExpectedError e = judged.measured(left);
-    if (!std::isfinite(e.rms)) return std::string("not known");
-    return expanded(e.rms / kMicrometre, e.std / kMicrometre, nameOfUnit(false));
-  };
+  const auto um = [&](const LeftOfModel& left) { return judged.measured(left).inWords(); };
   std::string text;
   for (const LeftAlong& along : judged.along) {
     if (along.direction.empty()) continue;
@@ -137,8 +132,8 @@ std::vector<std::string> checkedText(const ExportTarget& target, const Represent
   return lines;
 }
 
-}  // namespace
-
+/// README.md of an export: what to install where and in which order, from where positions count, how one move
+/// shows that the sign is right, what is carried, what was checked, and what is open.
 std::string exportPage(const Calibration& calibration, const ExportTarget& target,
                        const NeededCorrection& needed, const Exported& exported,
                        const Representability& judged) {
@@ -168,6 +163,8 @@ std::string exportPage(const Calibration& calibration, const ExportTarget& targe
             bulleted(exported.unverified);
   return text;
 }
+
+}  // namespace
 
 std::vector<ExportedFile> exportFolderOf(const Calibration& calibration, const ExportTarget& target,
                                          const NeededCorrection& needed, const Exported& exported,

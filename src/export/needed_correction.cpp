@@ -36,18 +36,12 @@ class Settled final : public TemperatureHistory {
   const std::vector<double>& temperature_;
 };
 
-/// One column of a Latin hypercube: numbers in [0, 1), one in each of `count` equal parts, in random order.
-std::vector<double> latin(int count, std::mt19937_64& random) {
+/// One column of a Latin hypercube: the middles of `count` equal parts of a range, in random order.
+std::vector<double> latin(int count, double lower, double upper, std::mt19937_64& random) {
   std::vector<double> column(count);
-  for (int i = 0; i < count; ++i) column[i] = (i + 0.5) / count;
+  for (int i = 0; i < count; ++i) column[i] = lower + (i + 0.5) / count * (upper - lower);
   for (std::size_t i = column.size() - 1; i > 0; --i) std::swap(column[i], column[random() % (i + 1)]);
   return column;
-}
-
-std::vector<double> spread(const std::vector<double>& share, double lower, double upper) {
-  std::vector<double> values;
-  for (const double s : share) values.push_back(lower + s * (upper - lower));
-  return values;
 }
 
 }  // namespace
@@ -123,7 +117,7 @@ std::vector<State> NeededCorrection::states(int count, unsigned seed) const {
     state.laserReading = d.laser ? 0.0 : std::numeric_limits<double>::quiet_NaN();
   }
   const auto fill = [&](double lower, double upper, auto put) {
-    const std::vector<double> values = spread(latin(count, random), lower, upper);
+    const std::vector<double> values = latin(count, lower, upper, random);
     for (std::size_t i = 0; i < all.size(); ++i) put(all[i], values[i]);
   };
   for (std::size_t j = 0; j < d.joints.size(); ++j) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/grid_values.h"
 #include "base/units.h"
 
 namespace mm {
@@ -89,25 +90,9 @@ OffsetGrid::OffsetGrid(const NeededCorrection& needed, CorrectionPart part) : jo
 }
 
 double OffsetGrid::interpolated(const std::vector<double>& values, const State& state) const {
-  std::vector<int> first;
-  std::vector<double> share;
-  for (std::size_t a = 0; a < joints_.size(); ++a) {
-    const double x = (state.position[joints_[a]] - at_[a].front()) / (at_[a][1] - at_[a][0]);
-    first.push_back(static_cast<int>(std::clamp(std::floor(x), 0.0, kGridPoints - 2.0)));
-    share.push_back(std::clamp(x - first[a], 0.0, 1.0));
-  }
-  double sum = 0.0;
-  for (std::size_t corner = 0; corner < (std::size_t{1} << joints_.size()); ++corner) {
-    double weight = 1.0;
-    std::size_t point = 0;
-    for (std::size_t a = 0; a < joints_.size(); ++a) {
-      const int upper = corner >> a & 1u;
-      weight *= upper != 0 ? share[a] : 1.0 - share[a];
-      point = point * kGridPoints + first[a] + upper;
-    }
-    sum += weight * values[point];
-  }
-  return sum;
+  std::vector<double> place;
+  for (const int joint : joints_) place.push_back(state.position[joint]);
+  return gridValue(gridCorners(at_, place), values);
 }
 
 std::vector<double> OffsetGrid::at(const State& state) const {

@@ -49,10 +49,15 @@ PrinterTerms printerTerms(const NeededCorrection& needed, const PrinterPlaces& p
   terms.adds = straightPart(needed, &NeededCorrection::adds);
   terms.active = straightPart(needed, &NeededCorrection::activeAt);
   struct Angle {
-    const char *output, *input;
+    const char* output;
+    Term term;
     std::optional<double>* factor;
   };
-  const std::vector<Angle> angles = {{"x", "y", &terms.xy}, {"x", "z", &terms.xz}, {"y", "z", &terms.yz}};
+  std::vector<Angle> angles;
+  if (places.angles)
+    angles = {{"x", angle(needed, terms, "x", "y"), &terms.xy},
+              {"x", angle(needed, terms, "x", "z"), &terms.xz},
+              {"y", angle(needed, terms, "y", "z"), &terms.yz}};
   const std::vector<Reversal> reversals = reversalsOf(needed, terms, places);
   const auto tells = [&](const Term& gap) { return std::abs(gap.added) > places.leastReversal; };
   std::string negative;
@@ -71,14 +76,11 @@ PrinterTerms printerTerms(const NeededCorrection& needed, const PrinterPlaces& p
   if (places.sharedFraction && !out.axes.empty())
     for (const Reversal& r : reversals)
       if (r.gap.active != 0.0) out.axes.insert(r.axis->letter);
-  if (places.angles)
-    for (const Angle& a : angles)
-      if (angle(needed, terms, a.output, a.input).added != 0.0) out.axes.insert(a.output);
-  for (const Angle& a : angles) {
-    const Term term = angle(needed, terms, a.output, a.input);
-    if (places.angles && out.axes.count(a.output) > 0 && (term.added != 0.0 || term.active != 0.0))
-      *a.factor = term.sum();
-  }
+  for (const Angle& a : angles)
+    if (a.term.added != 0.0) out.axes.insert(a.output);
+  for (const Angle& a : angles)
+    if (out.axes.count(a.output) > 0 && (a.term.added != 0.0 || a.term.active != 0.0))
+      *a.factor = a.term.sum();
   for (const Reversal& r : reversals) {
     if (out.axes.count(r.axis->letter) == 0 || (r.gap.active == 0.0 && !(tells(r.gap) && r.gap.sum() > 0.0)))
       continue;

@@ -40,6 +40,7 @@ struct LeftAlong {
 /// A root mean square error and its standard uncertainty, m.
 struct ExpectedError {
   double rms = 0.0, std = 0.0;
+  std::string inWords() const;  ///< "0.8 ± 0.2 um"
 };
 
 /// One effect of the model, exported alone.

@@ -28,32 +28,23 @@ ordered_json effectJson(const EffectSpec& spec) {
 
 std::string um(double metres) { return std::isfinite(metres) ? errorInWords(metres, false) : "not known"; }
 
-std::string um(const ExpectedError& error) {
-  if (!std::isfinite(error.rms)) return "not known";
-  return expanded(error.rms / kMicrometre, error.std / kMicrometre, nameOfUnit(false));
-}
-
-/// "uncorrected", "exported" … of some figures, each made JSON.
+/// "uncorrected", "exported" … of a figure in m.
 template <typename Figure>
 ordered_json eachJson(const LeftAlong& along, const Figure& figure) {
-  ordered_json json{{"uncorrected", figure(along.uncorrected)},
-                    {"exported", figure(along.exported)},
-                    {"full", figure(along.full)}};
-  if (std::isfinite(along.withOffsets.rms)) json["with_offsets"] = figure(along.withOffsets);
+  ordered_json json{{"uncorrected", micrometres(figure(along.uncorrected))},
+                    {"exported", micrometres(figure(along.exported))},
+                    {"full", micrometres(figure(along.full))}};
+  if (std::isfinite(along.withOffsets.rms)) json["with_offsets"] = micrometres(figure(along.withOffsets));
   return json;
 }
 
 ordered_json alongJson(const Representability& judged, const LeftAlong& along) {
-  const auto left = [](const LeftOfModel& l) { return micrometres(l.rms); };
-  const auto expected = [&](const LeftOfModel& l) { return micrometres(judged.expected(l).rms); };
-  const auto expectedStd = [&](const LeftOfModel& l) { return micrometres(judged.expected(l).std); };
-  const auto measured = [&](const LeftOfModel& l) { return micrometres(judged.measured(l).rms); };
-  const auto measuredStd = [&](const LeftOfModel& l) { return micrometres(judged.measured(l).std); };
-  return {{"rms_um", eachJson(along, left)},
-          {"expected_rms_um", eachJson(along, expected)},
-          {"expected_rms_std_um", eachJson(along, expectedStd)},
-          {"measured_rms_um", eachJson(along, measured)},
-          {"measured_rms_std_um", eachJson(along, measuredStd)},
+  using Left = const LeftOfModel&;
+  return {{"rms_um", eachJson(along, [](Left l) { return l.rms; })},
+          {"expected_rms_um", eachJson(along, [&](Left l) { return judged.expected(l).rms; })},
+          {"expected_rms_std_um", eachJson(along, [&](Left l) { return judged.expected(l).std; })},
+          {"measured_rms_um", eachJson(along, [&](Left l) { return judged.measured(l).rms; })},
+          {"measured_rms_std_um", eachJson(along, [&](Left l) { return judged.measured(l).std; })},
           {"by_parameters_um", micrometres(along.full.byParameters)}};
 }
 
@@ -61,8 +52,9 @@ std::string alongText(const Representability& judged, const LeftAlong& along) {
   std::string text = along.direction.empty() ? "a coordinate\n" : "along " + along.direction + "\n";
   const auto line = [&](const char* what, const LeftOfModel& left) {
     if (std::isfinite(left.rms))
-      text += format("  %-20s %-19s %-20s ", what, um(left.rms).c_str(), um(judged.expected(left)).c_str()) +
-              um(judged.measured(left)) + "\n";
+      text += format("  %-20s %-19s %-20s ", what, um(left.rms).c_str(),
+                     judged.expected(left).inWords().c_str()) +
+              judged.measured(left).inWords() + "\n";
   };
   line("uncorrected", along.uncorrected);
   line("with this export", along.exported);
@@ -85,6 +77,11 @@ std::string expectedWords(const Representability& judged) {
 }
 
 }  // namespace
+
+std::string ExpectedError::inWords() const {
+  if (!std::isfinite(rms)) return "not known";
+  return expanded(rms / kMicrometre, std / kMicrometre, nameOfUnit(false));
+}
 
 ordered_json representabilityJson(const Representability& judged) {
   const ExportFigures& f = judged.figures;
