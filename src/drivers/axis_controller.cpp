@@ -56,11 +56,7 @@ AxesMotion straightMotion(const std::vector<Joint>& joints, const std::vector<do
     if (joints[j].maxVelocity > 0.0) speed = std::min(speed, joints[j].maxVelocity);
     seconds = std::max(seconds, way / speed);
   }
-  if (seconds > 0.0) return timedMotion(from, to, seconds);
-  AxesMotion still;
-  still.target = to;
-  still.speed.assign(to.size(), 0.0);
-  return still;
+  return timedMotion(from, to, seconds > 0.0 ? seconds : 1.0);  // there already: however long that takes
 }
 
 void checkTarget(const std::vector<Joint>& joints, const std::vector<double>& target) {
