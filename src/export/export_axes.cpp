@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/names_of.h"
 #include "base/nearest_name.h"
 #include "base/text.h"
 
@@ -26,8 +27,7 @@ std::string lettersFor(const Eigen::Vector3d& along, JointKind kind) {
 }
 
 void checkTold(const Machine& machine, const std::map<std::string, std::string>& told) {
-  std::vector<std::string> names;
-  for (const Joint& joint : machine.joints()) names.push_back(joint.name);
+  const std::vector<std::string> names = allNames(machine.joints());
   for (const auto& [joint, letter] : told) {
     if (machine.findJoint(joint) < 0)
       throw InputError("--axis " + joint + "=" + letter + ": the machine has no joint '" + joint + "'" +

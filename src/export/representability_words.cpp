@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "base/format.h"
+#include "base/json_text.h"
 #include "base/nearest_name.h"
 #include "base/quantity_words.h"
 #include "base/units.h"
@@ -9,20 +10,12 @@
 namespace mm {
 namespace {
 
-using nlohmann::ordered_json;
+Json micrometres(double metres) { return orNull(std::isfinite(metres), metres / kMicrometre); }
 
-ordered_json micrometres(double metres) {
-  return std::isfinite(metres) ? ordered_json(metres / kMicrometre) : ordered_json(nullptr);
-}
-
-ordered_json effectJson(const EffectSpec& spec) {
-  ordered_json json{{"type", spec.type}};
-  for (const auto& [key, value] : spec.keys) {
-    if (value.list)
-      json[key] = value.items;
-    else
-      json[key] = value.items.empty() ? std::string() : value.items[0];
-  }
+Json effectJson(const EffectSpec& spec) {
+  Json json{{"type", spec.type}};
+  for (const auto& [key, value] : spec.keys)
+    json[key] = value.list ? Json(value.items) : value.items.empty() ? Json("") : Json(value.items[0]);
   return json;
 }
 
@@ -30,15 +23,15 @@ std::string um(double metres) { return std::isfinite(metres) ? errorInWords(metr
 
 /// "uncorrected", "exported" … of a figure in m.
 template <typename Figure>
-ordered_json eachJson(const LeftAlong& along, const Figure& figure) {
-  ordered_json json{{"uncorrected", micrometres(figure(along.uncorrected))},
-                    {"exported", micrometres(figure(along.exported))},
-                    {"full", micrometres(figure(along.full))}};
-  if (std::isfinite(along.withOffsets.rms)) json["with_offsets"] = micrometres(figure(along.withOffsets));
-  return json;
+Json eachJson(const LeftAlong& along, const Figure& figure) {
+  return jsonObject({{{"uncorrected", micrometres(figure(along.uncorrected))},
+                      {"exported", micrometres(figure(along.exported))},
+                      {"full", micrometres(figure(along.full))}},
+                     entryIf(std::isfinite(along.withOffsets.rms), "with_offsets",
+                             micrometres(figure(along.withOffsets)))});
 }
 
-ordered_json alongJson(const Representability& judged, const LeftAlong& along) {
+Json alongJson(const Representability& judged, const LeftAlong& along) {
   using Left = const LeftOfModel&;
   return {{"rms_um", eachJson(along, [](Left l) { return l.rms; })},
           {"expected_rms_um", eachJson(along, [&](Left l) { return judged.expected(l).rms; })},
@@ -83,46 +76,44 @@ std::string ExpectedError::inWords() const {
   return expanded(rms / kMicrometre, std / kMicrometre, nameOfUnit(false));
 }
 
-ordered_json representabilityJson(const Representability& judged) {
+Json representabilityJson(const Representability& judged) {
   const ExportFigures& f = judged.figures;
-  ordered_json json{
-      {"target", judged.target},
-      {"touched", judged.touched},
-      {"compensation", {{"active", judged.compensation.inWords()}, {"in_words", judged.activeWords}}},
-      {"unexplained_um", micrometres(judged.unexplained())},
-      {"held_out_rms_um", micrometres(judged.heldOut)},
-      {"repeatability_um", micrometres(judged.repeatability)},
-      {"rms_not_aligned_um",
-       {{"uncorrected", micrometres(f.unalignedUncorrected)},
-        {"exported", micrometres(f.unalignedExported)}}},
-      {"carries_nothing", judged.carriesNothing()}};
-  if (std::isfinite(f.withOffsets)) json["rms_with_offsets_um"] = micrometres(f.withOffsets);
-  if (!judged.along.empty()) json.update(alongJson(judged, judged.along.front()));
-  json["along"] = ordered_json::array();
-  for (const LeftAlong& along : judged.along)
-    if (!along.direction.empty()) {
-      json["along"].push_back(alongJson(judged, along));
-      json["along"].back()["direction"] = along.direction;
-    }
-  json["not_moved"] = judged.notMoved;
-  json["not_followed"] = judged.notFollowed;
-  json["effects"] = ordered_json::array();
-  for (const CarriedEffect& e : judged.effects) {
-    json["effects"].push_back({{"effect", effectJson(e.effect)},
-                               {"carried", e.carried},
-                               {"why", e.why},
-                               {"rms_um",
-                                {{"uncorrected", micrometres(e.figures.uncorrected)},
-                                 {"exported", micrometres(e.figures.exported)}}}});
-    if (!e.iso230.empty()) json["effects"].back()["iso230"] = e.iso230;
-  }
-  json["calibration"] = judged.calibration;
-  json["axes"] = judged.letters;
-  json["sensors"] = judged.sensors;
-  json["files"] = ordered_json::array();
-  for (const ExportedFile& file : judged.files)
-    json["files"].push_back({{"path", file.path}, {"what", file.what}});
-  return json;
+  const auto effect = [](const CarriedEffect& e) {
+    return jsonObject({{{"effect", effectJson(e.effect)},
+                        {"carried", e.carried},
+                        {"why", e.why},
+                        {"rms_um",
+                         {{"uncorrected", micrometres(e.figures.uncorrected)},
+                          {"exported", micrometres(e.figures.exported)}}}},
+                       entryIf(!e.iso230.empty(), "iso230", e.iso230)});
+  };
+  Json along = Json::array();
+  for (const LeftAlong& a : judged.along)
+    if (!a.direction.empty())
+      along.push_back(jsonObject({alongJson(judged, a), {{"direction", a.direction}}}));
+  return jsonObject(
+      {{{"target", judged.target},
+        {"touched", judged.touched},
+        {"compensation", {{"active", judged.compensation.inWords()}, {"in_words", judged.activeWords}}},
+        {"unexplained_um", micrometres(judged.unexplained())},
+        {"held_out_rms_um", micrometres(judged.heldOut)},
+        {"repeatability_um", micrometres(judged.repeatability)},
+        {"rms_not_aligned_um",
+         {{"uncorrected", micrometres(f.unalignedUncorrected)},
+          {"exported", micrometres(f.unalignedExported)}}},
+        {"carries_nothing", judged.carriesNothing()}},
+       entryIf(std::isfinite(f.withOffsets), "rms_with_offsets_um", micrometres(f.withOffsets)),
+       judged.along.empty() ? Json() : alongJson(judged, judged.along.front()),
+       {{"along", along},
+        {"not_moved", judged.notMoved},
+        {"not_followed", judged.notFollowed},
+        {"effects", jsonList(judged.effects, effect)},
+        {"calibration", judged.calibration},
+        {"axes", judged.letters},
+        {"sensors", judged.sensors},
+        {"files", jsonList(judged.files, [](const ExportedFile& file) {
+           return Json{{"path", file.path}, {"what", file.what}};
+         })}}});
 }
 
 std::string representabilityText(const Representability& judged) {

@@ -1,6 +1,7 @@
 #include "interpreters/interpreter.h"
 
 #include "base/error.h"
+#include "base/names_of.h"
 #include "base/nearest_name.h"
 #include "interpreters/targets.h"
 
@@ -38,10 +39,6 @@ std::unique_ptr<Interpreter> interpret(const std::string& target, const std::fil
                    "; known: " + listOf(interpretedTargets()));
 }
 
-std::vector<std::string> interpretedTargets() {
-  std::vector<std::string> names;
-  for (const Target& known : kTargets) names.emplace_back(known.name);
-  return names;
-}
+std::vector<std::string> interpretedTargets() { return allNames(kTargets); }
 
 }  // namespace mm
