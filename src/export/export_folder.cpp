@@ -5,13 +5,13 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "base/read_file.h"
+#include "base/temporary_folder.h"
 #include "calibration_file/atomic_file.h"
 
 namespace mm {
@@ -19,18 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kReport = ExportDescription::kFile;
-
 [[noreturn]] void refuse(const fs::path& folder, int cause) {
   throw InputError(folder.string() + ": cannot be written: " + std::strerror(cause) +
                    "; free disk space or choose another folder");
-}
-
-/// A new folder with a name of its own. @param pattern ends in XXXXXX.
-fs::path newFolder(const fs::path& pattern) {
-  std::string name = pattern.string();
-  if (::mkdtemp(name.data()) == nullptr) refuse(pattern.parent_path(), errno);
-  return name;
 }
 
 fs::path withoutSlash(const fs::path& folder) {
@@ -55,11 +46,12 @@ ExportDescription earlierExport(const fs::path& folder) {
 
 }  // namespace
 
-TriedExport::TriedExport(const std::string& target, const Exported& exported) {
-  for (const ExportedFile& file : exported.files) folder_.write(file.path, file.text);
+std::unique_ptr<const LoadedCompensation> triedExport(const std::string& target, const Exported& exported) {
+  const TemporaryFolder folder;
+  for (const ExportedFile& file : exported.files) folder.write(file.path, file.text);
   const nlohmann::json says{{"target", target}, {"sensors", exported.sensors}, {"touched", exported.axes}};
-  folder_.write(kReport, says.dump());
-  loaded_ = std::make_unique<const LoadedCompensation>(target, folder_.path());
+  folder.write(ExportDescription::kFile, says.dump());
+  return std::make_unique<const LoadedCompensation>(target, folder.path());
 }
 
 void checkExportFolder(const fs::path& folder, const std::string& target, bool force) {
@@ -85,7 +77,9 @@ void checkExportFolder(const fs::path& folder, const std::string& target, bool f
 
 void writeExportFolder(const fs::path& folder, const std::vector<ExportedFile>& files) {
   const fs::path parent = parentOf(folder), target = withoutSlash(folder);
-  const fs::path made = newFolder(parent / ("." + target.filename().string() + kTemporaryMark + "XXXXXX"));
+  std::string own = parent / ("." + target.filename().string() + kTemporaryMark + "XXXXXX");
+  if (::mkdtemp(own.data()) == nullptr) refuse(parent, errno);
+  const fs::path made = own;
   std::error_code ignored;
   try {
     for (const ExportedFile& file : files) {

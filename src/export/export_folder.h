@@ -4,23 +4,13 @@
 #include <string>
 #include <vector>
 
-#include "base/temporary_folder.h"
 #include "export/export_target.h"
 
 namespace mm {
 
-/// A folder of this process with the files of an export that nobody has been given yet, and what it says of
-/// itself as far as LoadedCompensation asks.
-class TriedExport {
- public:
-  TriedExport(const std::string& target, const Exported& exported);  ///< @throw InputError: full disk
-  /// What the controller would compensate with it.
-  const LoadedCompensation& loaded() const { return *loaded_; }
-
- private:
-  TemporaryFolder folder_;
-  std::unique_ptr<const LoadedCompensation> loaded_;
-};
+/// What the controller would compensate with an export that nobody has been given yet. @throw InputError:
+/// full disk.
+std::unique_ptr<const LoadedCompensation> triedExport(const std::string& target, const Exported& exported);
 
 /// Whether an export may be written there: nothing is, or an empty folder, or an earlier export for the same
 /// target and nothing else. @param force also an export for another target. What no export has written is

@@ -3,10 +3,10 @@
 #include <cmath>
 
 #include "base/format.h"
-#include "base/quantity_words.h"
 #include "base/units.h"
 #include "export/compensation_statement.h"
 #include "export/export_folder.h"
+#include "machine/joint_units.h"
 
 namespace mm {
 namespace {
@@ -19,10 +19,10 @@ struct SignCheck {
 };
 
 SignCheck signCheck(const NeededCorrection& needed, const ExportTarget& target, const Exported& exported) {
-  const TriedExport tried(target.name, exported);
+  const std::unique_ptr<const LoadedCompensation> tried = triedExport(target.name, exported);
   SignCheck best;
   for (const State& state : needed.states(128, 51)) {
-    const std::map<std::string, double> adds = tried.loaded().tablesAdd(needed.commandOf(state));
+    const std::map<std::string, double> adds = tried->tablesAdd(needed.commandOf(state));
     for (const int joint : needed.linear()) {
       const ExportAxis& axis = needed.axis(joint);
       const double added = adds.at(axis.letter);
@@ -39,10 +39,10 @@ std::string signText(const NeededCorrection& needed, const ExportTarget& target,
       "With the tables in effect, command this position, arriving in the stated directions:\n\n";
   for (const ExportAxis& axis : needed.axes()) {
     const auto j = static_cast<std::size_t>(axis.joint);
-    const bool linear = axis.kind == JointKind::kLinear;
-    text += format("    %s %.3f %s, %s\n", capital(axis.letter).c_str(),
-                   check.state.position[j] / (linear ? kMillimetre : kDegree), linear ? "mm" : "deg",
-                   check.state.travel[j] > 0 ? "upwards" : "downwards");
+    const JointUnit unit = readingUnit(needed.model().machine().joints()[j]);
+    text +=
+        format("    %s %.3f %s, %s\n", capital(axis.letter).c_str(), check.state.position[j] / unit.factor,
+               unit.symbol, check.state.travel[j] > 0 ? "upwards" : "downwards");
   }
   const Domain& d = needed.model().domain();
   for (std::size_t k = 0; k < d.sensors.size(); ++k)
@@ -73,10 +73,10 @@ std::string bulleted(const std::vector<std::string>& lines) {
 std::string range(const NeededCorrection& needed) {
   std::string text;
   for (const ExportAxis& axis : needed.axes()) {
-    const bool linear = axis.kind == JointKind::kLinear;
-    const double unit = linear ? kMillimetre : kDegree;
-    text += format("- joint %s is axis %s, %.4g to %.4g %s\n", axis.name.c_str(),
-                   capital(axis.letter).c_str(), axis.lower / unit, axis.upper / unit, linear ? "mm" : "deg");
+    const JointUnit unit = readingUnit(needed.model().machine().joints()[axis.joint]);
+    text +=
+        format("- joint %s is axis %s, %.4g to %.4g %s\n", axis.name.c_str(), capital(axis.letter).c_str(),
+               axis.lower / unit.factor, axis.upper / unit.factor, unit.symbol);
   }
   const Domain& d = needed.model().domain();
   for (std::size_t k = 0; k < d.sensors.size(); ++k)
@@ -111,7 +111,7 @@ std::string compensationText(const Calibration& calibration, const ExportTarget&
   for (const CarriedEffect& e : judged.effects)
     if (e.carried != "none") carried.push_back(e.effect);
   std::vector<std::string> lines = {"Compensation: tables of " + target.title + ", " + exported.holds};
-  if (exported.alsoAdds)
+  if (exported.offsets)
     lines.front() +=
         "; external offsets add what the tables leave of the model; the next lines are of the tables";
   for (const CompensationFact& fact : compensationFacts(calibration, carried))

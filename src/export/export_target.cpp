@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/format.h"
+#include "base/names_of.h"
 #include "base/nearest_name.h"
 #include "export/targets.h"
 
@@ -29,11 +30,7 @@ const std::vector<ExportTarget>& exportTargets() {
   return targets;
 }
 
-std::vector<std::string> exportTargetNames() {
-  std::vector<std::string> names;
-  for (const ExportTarget& target : exportTargets()) names.push_back(target.name);
-  return names;
-}
+std::vector<std::string> exportTargetNames() { return allNames(exportTargets()); }
 
 const ExportTarget& exportTarget(const std::string& name) {
   for (const ExportTarget& target : exportTargets())
@@ -48,7 +45,7 @@ std::string activeWords(const ExportTarget& target, const NeededCorrection& need
   std::vector<std::string> written, left;
   for (const ExportAxis& axis : needed.axes()) {
     const bool tables = exported.axes.count(axis.letter) > 0;
-    if (tables || !exported.alsoAdds || !needed.changes(axis.joint))  // else offsets alone are for it
+    if (tables || !exported.offsets || !needed.changes(axis.joint))  // else offsets alone are for it
       (tables ? written : left).push_back(capital(axis.letter));
   }
   const std::string rest = left.empty() ? ""
@@ -85,7 +82,7 @@ namespace {
 void keepOthers(const NeededCorrection& needed, Exported& out) {
   const LoadedCompensation* active = needed.active();
   if (active == nullptr) return;
-  bool goesOn = active->hasOffsets() && !out.alsoAdds;
+  bool goesOn = active->hasOffsets() && !out.offsets;
   for (const auto& [letter, points] : active->tablePoints()) goesOn = goesOn || out.axes.count(letter) == 0;
   if (!goesOn) return;
   for (const ControllerCompensation::File& file : needed.compensation().files)

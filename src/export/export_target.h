@@ -1,5 +1,4 @@
 #pragma once
-#include <functional>
 #include <map>
 #include <set>
 #include <string>
@@ -24,8 +23,7 @@ struct Exported {
   std::vector<std::string> unverified;   // what public documents do not say, or the figures leave out
   std::vector<std::string> notes;        // what else was decided
   std::vector<std::string> notFollowed;  // curves that bend between the points of any table that fits
-  /// What a program of ours adds beside the tables: m, an axis' letter each. Null: there is none.
-  std::function<std::map<std::string, double>(const State&)> alsoAdds;
+  bool offsets = false;                  // a program of ours adds more, beside the tables (ExternalOffsets)
   std::map<std::string, std::string> sensors;  // the controller's name of a sensor -> the calibration's
 };
 

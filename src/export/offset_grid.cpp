@@ -25,21 +25,25 @@ std::vector<double> millimetres(const std::vector<double>& metres) {
 
 }  // namespace
 
-OffsetGrid::OffsetGrid(const NeededCorrection& needed, CorrectionPart part) : joints_(needed.linear()) {
+OffsetGrid offsetGrid(const NeededCorrection& needed, CorrectionPart part) {
+  using nlohmann::ordered_json;
+  OffsetGrid grid;
+  std::vector<std::vector<double>> positions;  // a joint, m
+  const std::vector<int>& joints = needed.linear();
   const Domain& d = needed.model().domain();
-  std::vector<std::size_t> strides(joints_.size(), 1);
+  std::vector<std::size_t> strides(joints.size(), 1);
   std::size_t count = 1;
-  for (const int joint : joints_) {
-    letters_.push_back(needed.axis(joint).letter);
+  for (const int joint : joints) {
+    grid.letters.push_back(needed.axis(joint).letter);
     const auto [lower, upper] = needed.tabulated(joint);
-    at_.push_back(evenSteps(lower, upper, kGridPoints - 1));
+    positions.push_back(evenSteps(lower, upper, kGridPoints - 1));
     count *= kGridPoints;
   }
-  std::vector<std::vector<double>> own(joints_.size());  // what the joint tables are fitted to
-  for (std::size_t a = 0; a < joints_.size(); ++a)
-    for (const double position : at_[a])
-      own[a].push_back(meanCorrection(needed, joints_[a], position, part)[joints_[a]]);
-  for (std::size_t a = joints_.size(); a-- > 1;) strides[a - 1] = strides[a] * kGridPoints;
+  std::vector<std::vector<double>> own(joints.size());  // what the joint tables are fitted to
+  for (std::size_t a = 0; a < joints.size(); ++a)
+    for (const double position : positions[a])
+      own[a].push_back(meanCorrection(needed, joints[a], position, part)[joints[a]]);
+  for (std::size_t a = joints.size(); a-- > 1;) strides[a - 1] = strides[a] * kGridPoints;
   std::vector<double> middle;
   for (std::size_t k = 0; k < d.sensors.size(); ++k)
     middle.push_back(0.5 * (d.sensorLower[k] + d.sensorUpper[k]));
@@ -47,81 +51,57 @@ OffsetGrid::OffsetGrid(const NeededCorrection& needed, CorrectionPart part) : jo
   std::vector<State> others = needed.states(kTemperatureless, kGridSeed);
   const auto mean = [&](std::size_t point, int sensor, double kelvin) {
     return meanOver(needed, part, others, [&](State& state) {
-      for (std::size_t a = 0; a < joints_.size(); ++a)
-        state.position[joints_[a]] = at_[a][point / strides[a] % kGridPoints];
+      for (std::size_t a = 0; a < joints.size(); ++a)
+        state.position[joints[a]] = positions[a][point / strides[a] % kGridPoints];
       state.temperature = middle;
       if (sensor >= 0) state.temperature[sensor] += kelvin;
     });
   };
-  base_.assign(joints_.size(), std::vector<double>(count));
+  // An axis: m at each grid point, the last joint fastest.
+  std::vector<std::vector<double>> base(joints.size(), std::vector<double>(count));
   for (std::size_t point = 0; point < count; ++point) {
     const Eigen::VectorXd value = mean(point, -1, 0.0);
-    for (std::size_t a = 0; a < joints_.size(); ++a)
-      base_[a][point] = value[joints_[a]] - own[a][point / strides[a] % kGridPoints];
+    for (std::size_t a = 0; a < joints.size(); ++a)
+      base[a][point] = value[joints[a]] - own[a][point / strides[a] % kGridPoints];
   }
-  State reference = others[0];
-  for (const int joint : joints_) reference.position[joint] = needed.reference(joint);
-  for (std::vector<double>& values : base_) {
-    const double zero = interpolated(values, reference);
+  std::vector<double> reference;
+  for (const int joint : joints) reference.push_back(needed.reference(joint));
+  for (std::vector<double>& values : base) {
+    const double zero = gridValue(gridCorners(positions, reference), values);
     for (double& v : values) {
       v -= zero;
-      largest_ = std::max(largest_, std::abs(v));
+      grid.largest = std::max(grid.largest, std::abs(v));
     }
   }
+  ordered_json references = ordered_json::object(), perKelvins = ordered_json::object();
   for (std::size_t k = 0; k < d.sensors.size(); ++k) {
     const double range = d.sensorUpper[k] - d.sensorLower[k];
     if (!(range > kNoRange)) continue;
-    std::vector<std::vector<double>> perKelvin(joints_.size(), std::vector<double>(count));
+    std::vector<std::vector<double>> perKelvin(joints.size(), std::vector<double>(count));
     double most = 0.0;
     for (std::size_t point = 0; point < count; ++point) {
       const Eigen::VectorXd change = (mean(point, k, 0.5 * range) - mean(point, k, -0.5 * range)) / range;
-      for (std::size_t a = 0; a < joints_.size(); ++a) {
-        perKelvin[a][point] = change[joints_[a]];
-        most = std::max(most, std::abs(change[joints_[a]]) * range);
+      for (std::size_t a = 0; a < joints.size(); ++a) {
+        perKelvin[a][point] = change[joints[a]];
+        most = std::max(most, std::abs(change[joints[a]]) * range);
       }
     }
     if (most < kGridLeast) continue;
-    sensors_.push_back(d.sensors[k]);
-    sensorOf_.push_back(k);
-    referenceTemperature_.push_back(middle[k]);
-    perKelvin_.push_back(std::move(perKelvin));
-    largest_ = std::max(largest_, most);
+    grid.sensors.push_back(d.sensors[k]);
+    references[d.sensors[k]] = middle[k];
+    for (std::size_t a = 0; a < joints.size(); ++a)
+      perKelvins[d.sensors[k]][grid.letters[a]] = millimetres(perKelvin[a]);
+    grid.largest = std::max(grid.largest, most);
   }
-}
-
-double OffsetGrid::interpolated(const std::vector<double>& values, const State& state) const {
-  std::vector<double> place;
-  for (const int joint : joints_) place.push_back(state.position[joint]);
-  return gridValue(gridCorners(at_, place), values);
-}
-
-std::vector<double> OffsetGrid::at(const State& state) const {
-  std::vector<double> added;
-  for (std::size_t a = 0; a < joints_.size(); ++a) {
-    double sum = interpolated(base_[a], state);
-    for (std::size_t k = 0; k < sensors_.size(); ++k) {
-      const double t = state.temperature[sensorOf_[k]];
-      if (std::isfinite(t)) sum += (t - referenceTemperature_[k]) * interpolated(perKelvin_[k][a], state);
-    }
-    added.push_back(sum);
-  }
-  return added;
-}
-
-std::string OffsetGrid::json() const {
-  nlohmann::ordered_json json{
-      {"format", "measuring_machine external offsets"}, {"version", 1}, {"axes", letters_}};
-  for (std::size_t a = 0; a < letters_.size(); ++a) json["positions_mm"][letters_[a]] = millimetres(at_[a]);
-  json["sensors"] = sensors_;
-  json["reference_degC"] = nlohmann::ordered_json::object();
-  for (std::size_t k = 0; k < sensors_.size(); ++k)
-    json["reference_degC"][sensors_[k]] = referenceTemperature_[k];
-  for (std::size_t a = 0; a < letters_.size(); ++a) json["offset_mm"][letters_[a]] = millimetres(base_[a]);
-  json["offset_mm_per_K"] = nlohmann::ordered_json::object();
-  for (std::size_t k = 0; k < sensors_.size(); ++k)
-    for (std::size_t a = 0; a < letters_.size(); ++a)
-      json["offset_mm_per_K"][sensors_[k]][letters_[a]] = millimetres(perKelvin_[k][a]);
-  return json.dump(1) + "\n";
+  ordered_json json{{"format", "measuring_machine external offsets"}, {"version", 1}, {"axes", grid.letters}};
+  for (std::size_t a = 0; a < joints.size(); ++a)
+    json["positions_mm"][grid.letters[a]] = millimetres(positions[a]);
+  json["sensors"] = grid.sensors;
+  json["reference_degC"] = references;
+  for (std::size_t a = 0; a < joints.size(); ++a) json["offset_mm"][grid.letters[a]] = millimetres(base[a]);
+  json["offset_mm_per_K"] = perKelvins;
+  grid.json = json.dump(1) + "\n";
+  return grid;
 }
 
 }  // namespace mm

@@ -6,6 +6,7 @@
 #include "base/dense.h"
 #include "base/quantity_words.h"
 #include "base/rotation.h"
+#include "base/text.h"
 #include "base/units.h"
 #include "effects/inputs.h"
 #include "effects/iso230_symbol.h"
@@ -46,7 +47,7 @@ Eigen::MatrixXd aligned(const Eigen::MatrixXd& errors, const std::vector<Eigen::
 struct Driven {
   std::vector<State> states;
   std::vector<Eigen::Vector3d> places;
-  Eigen::VectorXd before, after, beside;  // beside: with what Exported::alsoAdds adds; empty: nothing
+  Eigen::VectorXd before, after, beside;  // beside: with the external offsets; empty: there are none
   std::vector<int> directions;            // of workpiece, along which the session moved or the model errs
   std::vector<std::string> notMoved;      // other directions, along which a linear axis could have moved
 };
@@ -85,13 +86,12 @@ void findDirections(const NeededCorrection& needed, Driven& driven) {
 
 /// Interprets files that nobody has been given yet.
 Driven drivenBy(const std::string& target, const NeededCorrection& needed, const Exported& exported) {
-  const TriedExport tried(target, exported);
-  const LoadedCompensation& loaded = tried.loaded();
+  const std::unique_ptr<const LoadedCompensation> loaded = triedExport(target, exported);
   Driven driven;
   driven.states = needed.states(kJudgeStates, kJudgeSeed);
   driven.before.resize(3 * kJudgeStates);
   driven.after.resize(3 * kJudgeStates);
-  if (exported.alsoAdds) driven.beside.resize(3 * kJudgeStates);
+  if (exported.offsets) driven.beside.resize(3 * kJudgeStates);
   for (int n = 0; n < kJudgeStates; ++n) {
     const State& state = driven.states[n];
     std::vector<double> motors = state.position;
@@ -101,12 +101,12 @@ Driven drivenBy(const std::string& target, const NeededCorrection& needed, const
           motors[axis.joint] += found->second;
     };
     const CommandedState command = needed.commandOf(state);
-    drive(loaded.tablesAdd(command));
-    if (!exported.alsoAdds) drive(loaded.offsetsAdd(command));  // those that were active and stay
+    drive(loaded->tablesAdd(command));
+    if (!exported.offsets) drive(loaded->offsetsAdd(command));  // those that were active and stay
     driven.before.segment<3>(3 * n) = needed.displacement(state);
     driven.after.segment<3>(3 * n) = needed.missed(state, motors);
-    if (exported.alsoAdds) {
-      drive(exported.alsoAdds(state));
+    if (exported.offsets) {
+      drive(loaded->offsetsAdd(command));
       driven.beside.segment<3>(3 * n) = needed.missed(state, motors);
     }
     driven.places.push_back(
@@ -186,10 +186,8 @@ Calibration oneEffect(const Calibration& whole, int effect) {
 }
 
 std::string listed(const std::vector<std::string>& words) {
-  std::string text;
-  for (std::size_t i = 0; i < words.size(); ++i)
-    text += (i == 0 ? "" : i + 1 == words.size() ? " and " : ", ") + words[i];
-  return text;
+  if (words.size() < 2) return joined(words, "");
+  return joined({words.begin(), words.end() - 1}, ", ") + " and " + words.back();
 }
 
 /// "moves x and y by the position of x, the travel of x and the temperature bed".

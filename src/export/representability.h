@@ -20,7 +20,7 @@ struct ExportFigures {
   double uncorrected = 0.0, exported = 0.0;
   double unalignedUncorrected = 0.0, unalignedExported = 0.0;
   double withOffsets =
-      std::numeric_limits<double>::quiet_NaN();  // and what Exported::alsoAdds adds; NaN: nothing
+      std::numeric_limits<double>::quiet_NaN();  // and what Exported::offsets tells of adds; NaN: nothing
 };
 
 /// What is left of the model somewhere, and how sure the model is there. Over the same states, alignment

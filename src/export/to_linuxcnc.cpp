@@ -1,7 +1,3 @@
-#include <algorithm>
-#include <cmath>
-#include <memory>
-
 #include "base/format.h"
 #include "base/units.h"
 #include "export/fitted_tables.h"
@@ -38,7 +34,7 @@ std::string offsetsHal(const OffsetGrid& grid) {
       "loadusr -Wn mm-offsets linuxcnc_offsets external_offsets.json\n"
       "net mm-motion-enabled motion.motion-enabled => mm-offsets.motion-enabled\n"
       "net mm-all-homed motion.is-all-homed => mm-offsets.all-homed\n";
-  for (const std::string& letter : grid.letters()) {
+  for (const std::string& letter : grid.letters) {
     const char* l = letter.c_str();
     text += format("net mm-%s-position axis.%s.pos-cmd => mm-offsets.%s-position\n", l, l, l);
     text += format("net mm-%s-request axis.%s.eoffset-request => mm-offsets.%s-request\n", l, l, l);
@@ -46,7 +42,7 @@ std::string offsetsHal(const OffsetGrid& grid) {
     for (const char* pin : {"counts", "scale", "enable", "clear"})
       text += format("net mm-%s-%s mm-offsets.%s-%s => axis.%s.eoffset-%s\n", l, pin, l, pin, l, pin);
   }
-  for (const std::string& sensor : grid.sensors())
+  for (const std::string& sensor : grid.sensors)
     text += "net mm-" + sensor + " mm-offsets." + sensor + "-degC\n";
   return text;
 }
@@ -54,22 +50,16 @@ std::string offsetsHal(const OffsetGrid& grid) {
 constexpr double kLeastOffset = 2e-8;  // m: less is not worth a program
 
 void addOffsets(const NeededCorrection& needed, Exported& out) {
-  auto grid = std::make_shared<const OffsetGrid>(needed, &NeededCorrection::adds);
-  if (grid->largest() < kLeastOffset) {
+  OffsetGrid grid = offsetGrid(needed, &NeededCorrection::adds);
+  if (grid.largest < kLeastOffset) {
     out.notes.push_back("Nothing is left for external offsets.");
     return;
   }
-  if (needed.active() != nullptr) grid = std::make_shared<const OffsetGrid>(needed);
+  if (needed.active() != nullptr) grid = offsetGrid(needed);
   out.files.push_back({"external_offsets.json",
-                       "what joint tables cannot hold, for the HAL component linuxcnc_offsets",
-                       grid->json()});
-  out.files.push_back({"external_offsets.hal", "starts the component and wires it", offsetsHal(*grid)});
-  out.alsoAdds = [grid](const State& state) {
-    std::map<std::string, double> added;
-    const std::vector<double> values = grid->at(state);
-    for (std::size_t a = 0; a < values.size(); ++a) added[grid->letters()[a]] = values[a];
-    return added;
-  };
+                       "what joint tables cannot hold, for the HAL component linuxcnc_offsets", grid.json});
+  out.files.push_back({"external_offsets.hal", "starts the component and wires it", offsetsHal(grid)});
+  out.offsets = true;
   out.load.insert(
       out.load.end() - 1,  // LinuxCNC starts anew after it
       "For the cross-axis and thermal parts, too: copy external_offsets.json and external_offsets.hal beside "

@@ -24,14 +24,15 @@ class ExportedController {
     const NeededCorrection needed(controller.calibration, {});
     ExportOptions options;
     options.tablesAlone = tablesAlone;
-    exported_ = exportedFor(to, needed, options);
+    const Exported exported = exportedFor(to, needed, options);
     Representability told;  // what each effect leaves is not asked here
     told.target = to.name;
     told.calibration = controller.calibration.id;
     for (const ExportAxis& axis : needed.axes()) told.letters[axis.name] = axis.letter;
-    told.sensors = exported_.sensors;
-    writeExportFolder(folder_, exportFolderOf(controller.calibration, to, needed, exported_, told));
+    told.sensors = exported.sensors;
+    writeExportFolder(folder_, exportFolderOf(controller.calibration, to, needed, exported, told));
     interpreter_ = interpret(target, folder_);
+    loaded_ = std::make_unique<const LoadedCompensation>(target, folder_);
   }
 
   const std::filesystem::path& folder() const { return folder_; }
@@ -42,13 +43,8 @@ class ExportedController {
     for (auto& [axis, motor] : added) motor -= command.position.at(axis);
     return added;
   }
-  /// What the exporter wants the external offsets to add.
-  Added offsets(const CommandedState& command) const {
-    State state;
-    for (const auto& [axis, position] : command.position) state.position.push_back(position);  // x, y, z
-    state.temperature.assign(controller_.calibration.domain.sensors.size(), kNotMeasured);
-    return exported_.alsoAdds ? exported_.alsoAdds(state) : Added{};
-  }
+  /// What the external offsets add by their file.
+  Added offsets(const CommandedState& command) const { return loaded_->offsetsAdd(command); }
 
   /// The table of a simulated controller that adds the sum of these.
   std::string table(const std::function<Added(const CommandedState&)>& adds) const {
@@ -85,8 +81,8 @@ class ExportedController {
   std::string target_;
   Folder files_;
   std::filesystem::path folder_;
-  Exported exported_;
   std::unique_ptr<Interpreter> interpreter_;
+  std::unique_ptr<const LoadedCompensation> loaded_;
 };
 
 /// Times `factor` on every axis, or on one.

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/temporary_folder.h"
 #include "base/units.h"
 #include "compensation_support.h"
 #include "export/export_folder.h"
@@ -242,13 +243,13 @@ TEST(TablesByHand, FanucKeepsItsNumbersAndItsInterval) {
   const std::string text = fileOf(exported, "parameters.txt");
   EXPECT_THAT(text,
               AllOf(HasSubstr("N01851 A1 P5\n"), HasSubstr("N03624 A1 P10.0000\n"), Not(HasSubstr("A2"))));
-  const TriedExport tried("fanuc", exported);
+  const auto tried = triedExport("fanuc", exported);
   for (const double x : {-0.018, -0.012, -0.004, 0.004, 0.012, 0.018}) {
     const auto before = NeededCorrection(c, {}).active()->adds(commandTo(x, 0.01, 1, 1));
-    const auto after = tried.loaded().adds(commandTo(x, 0.01, 1, 1));
+    const auto after = tried->adds(commandTo(x, 0.01, 1, 1));
     EXPECT_NEAR(after.at("x"), before.at("x"), 1e-12) << x;
     EXPECT_NEAR(after.at("y"), before.at("y"), 1e-15) << x;
-    EXPECT_NEAR(tried.loaded().adds(commandTo(x, 0.01, -1, 1)).at("x"), before.at("x") - 5e-6, 1e-12) << x;
+    EXPECT_NEAR(tried->adds(commandTo(x, 0.01, -1, 1)).at("x"), before.at("x") - 5e-6, 1e-12) << x;
   }
 }
 
@@ -271,8 +272,8 @@ TEST(TablesByHand, SiemensKeepsTheNumbersOfOtherAxesAndStopsWhatItReplaces) {
   const std::string text = everyText(exported);
   EXPECT_THAT(fileOf(exported, "cec_2_tables.mpf"), Not(HasSubstr("$AN_CEC[0,")));
   EXPECT_THAT(fileOf(exported, "cec_3_enable.mpf"), HasSubstr("$SN_CEC_TABLE_ENABLE[3]=0"));
-  const TriedExport tried("siemens", exported);
-  const auto at = [&](double x, double way) { return tried.loaded().adds(commandTo(x, 0.007, way, 1)); };
+  const auto tried = triedExport("siemens", exported);
+  const auto at = [&](double x, double way) { return tried->adds(commandTo(x, 0.007, way, 1)); };
   const auto was = [&](double x, double way) { return needed.active()->adds(commandTo(x, 0.007, way, 1)); };
   for (const double way : {-1.0, 1.0}) {
     EXPECT_NEAR(at(0.013, way).at("x") - at(-0.015, way).at("x"),
@@ -291,10 +292,8 @@ TEST(TablesByHand, LinuxcncKeepsATableThatReachesFartherThanTheSession) {
   folder.write("x.comp", "-50 0.010 0.006\n-25 0.004 0\n0 0.002 -0.002\n25 0.003 -0.001\n50 -0.001 -0.005\n");
   const Calibration c = activeByHand(found({1e-4, 2e-6, 0.0, 0.0}), "linuxcnc:", folder);
   const NeededCorrection needed(c, {});
-  const TriedExport tried("linuxcnc", exportedFor(exportTarget("linuxcnc"), needed, {}));
-  const auto at = [&](double x, double way) {
-    return tried.loaded().adds(commandTo(x, 0.0, way, 1)).at("x");
-  };
+  const auto tried = triedExport("linuxcnc", exportedFor(exportTarget("linuxcnc"), needed, {}));
+  const auto at = [&](double x, double way) { return tried->adds(commandTo(x, 0.0, way, 1)).at("x"); };
   const auto was = [&](double x, double way) {
     return needed.active()->adds(commandTo(x, 0.0, way, 1)).at("x");
   };
@@ -303,7 +302,7 @@ TEST(TablesByHand, LinuxcncKeepsATableThatReachesFartherThanTheSession) {
       const double scale = -1e-4 * std::clamp(x, -0.020, 0.020);  // the session knew no more
       EXPECT_NEAR(at(x, way), was(x, way) + scale + 1e-6 * way, 5e-8) << x << " " << way;
     }
-  EXPECT_NEAR(tried.loaded().adds(commandTo(0.0, 0.0, 1, 1)).at("y"), 3e-6, 1e-12);
+  EXPECT_NEAR(tried->adds(commandTo(0.0, 0.0, 1, 1)).at("y"), 3e-6, 1e-12);
 }
 
 std::string refused(const std::function<void()>& call) {

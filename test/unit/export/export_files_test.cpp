@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/temporary_folder.h"
 #include "compensation_support.h"
 #include "export/export_folder.h"
 #include "export/export_page.h"
