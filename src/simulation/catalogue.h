@@ -40,6 +40,10 @@ struct Workshop {
   std::function<const std::vector<Condition>&()> visits;
 };
 
+/// What a source adds to the errors at one instant (setting.h). Safe to call from several threads.
+struct Instant;
+using SourceLaw = std::function<void(const Instant& instant, Distortion& distortion)>;
+
 /// A source that is about to be built.
 struct Making {
   const HiddenSource& source;
@@ -49,20 +53,12 @@ struct Making {
   double number(const std::string& name) const { return source.number(name); }  ///< a stated size, SI
   /// The joint that a key names; -1: none of that name.
   int joint(const std::string& key = "axis") const { return workshop.machine.findJoint(source.key(key)); }
-  int body(const std::string& key) const { return workshop.thermal.findBody(source.key(key)); }
-  Eigen::Vector3d unitVector(const std::string& key) const;  ///< of `x`, `y` or `z`
-  Direction direction() const;                               ///< of the key `direction`
-  Tilt tilt() const;                                         ///< of the keys `about` and `lever`
-  void add(Source law) const { workshop.physics.sources.push_back(std::move(law)); }
+  void add(SourceLaw law) const;
 };
-
-/// A joint's own motion where a joint has that name, else the axis of workpiece.
-Direction directionOf(const Machine& machine, const std::string& name);
 
 /// One kind of source that can be hidden.
 struct SourceKind {
   enum class Key {
-    kJoint,
     kLinear,
     kRotary,
     kOtherLinear,

@@ -93,9 +93,7 @@ Trip SimulatedMachine::latch(const Segment& segment, double part, int feature) {
 std::optional<Trip> SimulatedMachine::touch(const std::vector<double>& target, double speed, int feature) {
   const double length = (chain_.nominal(target).position - chain_.nominal(drive_).position).norm();
   if (length == 0.0) throw InputError("a touch needs a way to go: target and start are the same place");
-  Segment segment{drive_, target, std::vector<double>(drive_.size(), 0.0), length / speed};
-  for (std::size_t j = 0; j < drive_.size(); ++j)
-    segment.velocity[j] = (target[j] - drive_[j]) / segment.duration;
+  const Segment segment = straightTo(target, length / speed);
   velocity_ = segment.velocity;
   std::optional<double> part = findContact(segment, feature);
   if (part && *part == 0.0)

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <sstream>
 
 #include "base/error.h"
+#include "base/grid_values.h"
 #include "base/nearest_name.h"
 #include "base/number_text.h"
 #include "base/read_file.h"
@@ -114,19 +116,17 @@ CorrectionTable CorrectionTable::parse(const std::string& text, const std::strin
       value.push_back(c);
       continue;
     }
-    Coordinate coordinate{column.joint, column.role == Column::Role::kTravel, {}};
-    for (const auto& row : reading.rows) coordinate.nodes.push_back(row[c]);
-    std::sort(coordinate.nodes.begin(), coordinate.nodes.end());
-    coordinate.nodes.erase(std::unique(coordinate.nodes.begin(), coordinate.nodes.end()),
-                           coordinate.nodes.end());
-    table.coordinates_.push_back(std::move(coordinate));
+    std::set<double> nodes;
+    for (const auto& row : reading.rows) nodes.insert(row[c]);
+    table.coordinates_.push_back({column.joint, column.role == Column::Role::kTravel});
+    table.nodes_.emplace_back(nodes.begin(), nodes.end());
     place.push_back(c);
   }
   if (value.empty() || reading.rows.empty())
     throw InputError(source +
                      ": the table corrects nothing; it needs a column correction_<joint>_um and rows");
   std::size_t nodes = 1;
-  for (const Coordinate& c : table.coordinates_) nodes = std::min(kMostNodes + 1, nodes * c.nodes.size());
+  for (const auto& along : table.nodes_) nodes = std::min(kMostNodes + 1, nodes * along.size());
   if (nodes != reading.rows.size())
     throw InputError(
         source + ": " + std::to_string(reading.rows.size()) +
@@ -137,7 +137,7 @@ CorrectionTable CorrectionTable::parse(const std::string& text, const std::strin
   for (std::size_t r = 0; r < reading.rows.size(); ++r) {
     std::size_t node = 0;
     for (std::size_t c = 0; c < place.size(); ++c) {
-      const std::vector<double>& all = table.coordinates_[c].nodes;
+      const std::vector<double>& all = table.nodes_[c];
       node = node * all.size() +
              static_cast<std::size_t>(std::lower_bound(all.begin(), all.end(), reading.rows[r][place[c]]) -
                                       all.begin());
@@ -156,34 +156,14 @@ CorrectionTable CorrectionTable::load(const std::filesystem::path& file, const M
 
 std::vector<double> CorrectionTable::drives(const std::vector<double>& command,
                                             const std::vector<double>& travel) const {
-  // The corners of the cell around the command: each coordinate has a lower node and the share of the upper.
-  const std::size_t count = coordinates_.size();
-  std::vector<std::size_t> lower(count);
-  std::vector<double> upperShare(count, 0.0);
-  for (std::size_t c = 0; c < count; ++c) {
-    const Coordinate& coordinate = coordinates_[c];
-    const std::vector<double>& nodes = coordinate.nodes;
-    const std::size_t joint = static_cast<std::size_t>(coordinate.joint);
-    const double at =
-        std::clamp(coordinate.travel ? travel[joint] : command[joint], nodes.front(), nodes.back());
-    const auto above = std::upper_bound(nodes.begin(), nodes.end(), at);
-    lower[c] = above == nodes.begin() ? 0 : static_cast<std::size_t>(above - nodes.begin()) - 1;
-    if (lower[c] + 1 == nodes.size()) continue;
-    upperShare[c] = (at - nodes[lower[c]]) / (nodes[lower[c] + 1] - nodes[lower[c]]);
-  }
+  std::vector<double> at;
+  for (const Coordinate& c : coordinates_)
+    at.push_back((c.travel ? travel : command)[static_cast<std::size_t>(c.joint)]);
   std::vector<double> drives = command;
-  for (std::size_t corner = 0; corner < (std::size_t{1} << count); ++corner) {
-    double weight = 1.0;
-    std::size_t node = 0;
-    for (std::size_t c = 0; c < count && weight > 0.0; ++c) {
-      const bool upper = (corner >> c & 1U) != 0;
-      weight *= upper ? upperShare[c] : 1.0 - upperShare[c];
-      node = node * coordinates_[c].nodes.size() + lower[c] + (upper ? 1 : 0);
-    }
-    if (weight == 0.0) continue;
-    for (std::size_t v = 0; v < corrected_.size(); ++v)
-      drives[static_cast<std::size_t>(corrected_[v])] += weight * values_[node * corrected_.size() + v];
-  }
+  for (const GridCorner& corner : gridCorners(nodes_, at))
+    for (std::size_t v = 0; v < corrected_.size() && corner.share != 0.0; ++v)
+      drives[static_cast<std::size_t>(corrected_[v])] +=
+          corner.share * values_[corner.point * corrected_.size() + v];
   return drives;
 }
 

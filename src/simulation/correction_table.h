@@ -30,10 +30,10 @@ class CorrectionTable {
   struct Coordinate {
     int joint = 0;
     bool travel = false;
-    std::vector<double> nodes;  // ascending, m or rad; -1, +1
   };
   std::vector<Coordinate> coordinates_;
-  std::vector<int> corrected_;  // joints that have a correction
+  std::vector<std::vector<double>> nodes_;  // of each, ascending, m or rad; -1, +1
+  std::vector<int> corrected_;              // joints that have a correction
   std::vector<double> values_;  // node by node, the last coordinate fastest; a corrected joint each, m or rad
 };
 

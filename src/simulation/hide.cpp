@@ -90,7 +90,7 @@ std::vector<std::string> choices(Key kind, const HiddenSource& source, const Sou
   const std::string first = source.keys.empty() ? "" : source.keys[0].second;
   for (const Joint& joint : w.machine.joints()) {
     const bool linear = joint.kind == JointKind::kLinear;
-    if (kind == Key::kJoint || (kind == Key::kLinear && linear) || (kind == Key::kRotary && !linear) ||
+    if ((kind == Key::kLinear && linear) || (kind == Key::kRotary && !linear) ||
         (kind == Key::kOtherLinear && linear && joint.name != first) ||
         (kind == Key::kLevel && linear && std::abs(w.chain.axis(w.machine.findJoint(joint.name)).z()) < 0.5))
       names.push_back(joint.name);
@@ -217,11 +217,20 @@ void refuseUnknown(const SourceKind& rule, const Written& written, const std::st
     throw InputError(where + ": the size is given twice");
 }
 
+/// Why a source cannot be in this session, in words; empty: it can.
+std::string misfit(const SourceKind& kind, const Workshop& w) {
+  if (kind.probe == SourceKind::Probe::kTouch && !w.touches)
+    return "is of a touch probe, but the plan touches nothing";
+  if (kind.probe == SourceKind::Probe::kLaser && !w.settings.laser.present)
+    return "is of a laser probe, but the plan measures with a touch probe";
+  if (kind.type == "artifact_expansion" && w.artifact.features.empty())
+    return "needs an artifact, but the plan has none";
+  return {};
+}
+
+/// Whether it may be drawn: there is something for each of its keys.
 bool fits(const SourceKind& kind, const Workshop& w) {
-  if (kind.composite) return false;
-  if (kind.probe == SourceKind::Probe::kTouch && !w.touches) return false;
-  if (kind.type == "artifact_expansion" && w.artifact.features.empty()) return false;
-  if (kind.probe == SourceKind::Probe::kLaser && !w.settings.laser.present) return false;
+  if (kind.composite || !misfit(kind, w).empty()) return false;
   HiddenSource source;
   for (std::size_t i = 0; i < kind.keys.size(); ++i) {
     const std::vector<std::string> names = choices(kind.keys[i].kind, source, kind, i, w);
@@ -231,40 +240,26 @@ bool fits(const SourceKind& kind, const Workshop& w) {
   return true;
 }
 
-void refuseWrongProbe(const SourceKind& kind, const std::string& where, const Workshop& w) {
-  if (kind.probe == SourceKind::Probe::kTouch && !w.touches)
-    throw InputError(where + ": '" + kind.type + "' is of a touch probe, but the plan touches nothing");
-  if (kind.probe == SourceKind::Probe::kLaser && !w.settings.laser.present)
-    throw InputError(where + ": '" + kind.type +
-                     "' is of a laser probe, but the plan measures with a touch probe");
-}
-
 const SourceKind& kindOf(const std::string& type, const std::string& where, Random& random,
                          const Workshop& w) {
-  std::vector<std::string> known;
-  std::vector<const SourceKind*> fitting, uncatalogued;
   const auto other = kOtherNames.find(type);
   const std::string name = other != kOtherNames.end() ? other->second : type;
   const double draw = random.uniform();
-  for (const SourceKind& kind : sourceKinds()) {
-    known.push_back(kind.type);
-    if (fits(kind, w)) fitting.push_back(&kind);
-    if (kind.type != name) continue;
-    refuseWrongProbe(kind, where, w);
-    if (kind.type == "artifact_expansion" && w.artifact.features.empty())
-      throw InputError(where + ": '" + name + "' needs an artifact, but the plan has none");
-    return kind;
-  }
-  for (const SourceKind& kind : uncataloguedSourceKinds()) {
-    if (kind.type == name) {
-      refuseWrongProbe(kind, where, w);
-      return kind;
+  for (const auto* kinds : {&sourceKinds(), &uncataloguedSourceKinds()}) {
+    std::vector<const SourceKind*> fitting;
+    for (const SourceKind& kind : *kinds) {
+      if (kind.type == name) {
+        if (const std::string why = misfit(kind, w); !why.empty())
+          throw InputError(where + ": '" + kind.type + "' " + why);
+        return kind;
+      }
+      if (fits(kind, w)) fitting.push_back(&kind);
     }
-    if (fits(kind, w)) uncatalogued.push_back(&kind);
+    const bool asked = name == (kinds == &sourceKinds() ? "random" : "random_uncatalogued");
+    if (asked && !fitting.empty()) return *fitting[static_cast<std::size_t>(draw * fitting.size())];
   }
-  if (name == "random_uncatalogued") fitting.swap(uncatalogued);
-  if ((name == "random" || name == "random_uncatalogued") && !fitting.empty())
-    return *fitting[static_cast<std::size_t>(draw * fitting.size())];
+  std::vector<std::string> known;
+  for (const SourceKind& kind : sourceKinds()) known.push_back(kind.type);
   throw InputError(where + ": nothing called '" + type + "' can be hidden" + didYouMean(type, known) +
                    "; possible are random, random_uncatalogued, " + joined(known, ", "));
 }

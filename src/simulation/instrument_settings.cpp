@@ -132,23 +132,18 @@ InstrumentSettings InstrumentSettings::parse(const std::string& planYaml, const 
   if (!plan["instrument"]) return settings;
   const YamlMapping map(plan["instrument"], source, "instrument",
                         {"noise", "laser", "placement", "thermal", "covariates", "errors", "rough"});
-  if (map.has("noise"))
-    readNoise(YamlMapping(map.node("noise"), source, "noise",
-                          {"repeatability_um", "angular_repeatability_arcsec", "student_dof",
-                           "missing_velocities", "reference_um", "reference_arcsec", "laser_um",
-                           "laser_dropout", "temperature_K", "outliers"}),
-              settings.noise);
-  if (map.has("laser"))
-    readLaser(YamlMapping(map.node("laser"), source, "laser", {"range_mm", "max_incidence_deg"}),
-              settings.laser);
-  if (map.has("placement"))
-    readPlacement(YamlMapping(map.node("placement"), source, "placement",
-                              {"shift_mm", "turn_deg", "free_centres_mm", "form_um"}),
-                  settings.placement);
-  if (map.has("thermal"))
-    readThermal(YamlMapping(map.node("thermal"), source, "thermal",
-                            {"start_offset_K", "sensor_lag_s", "log_period_s", "sensors", "ambient", "heat"}),
-                settings.thermal);
+  const auto section = [&](const char* name, const std::vector<std::string>& keys, auto read, auto& into) {
+    if (map.has(name)) read(YamlMapping(map.node(name), source, name, keys), into);
+  };
+  section("noise",
+          {"repeatability_um", "angular_repeatability_arcsec", "student_dof", "missing_velocities",
+           "reference_um", "reference_arcsec", "laser_um", "laser_dropout", "temperature_K", "outliers"},
+          readNoise, settings.noise);
+  section("laser", {"range_mm", "max_incidence_deg"}, readLaser, settings.laser);
+  section("placement", {"shift_mm", "turn_deg", "free_centres_mm", "form_um"}, readPlacement,
+          settings.placement);
+  section("thermal", {"start_offset_K", "sensor_lag_s", "log_period_s", "sensors", "ambient", "heat"},
+          readThermal, settings.thermal);
   if (map.has("covariates")) {
     if (!map.node("covariates").IsSequence()) map.fail("covariates", "must be a list");
     for (const YAML::Node& node : map.node("covariates"))

@@ -18,7 +18,7 @@ Distortion Physics::distortion(const Condition& condition) const {
   return sum;
 }
 
-ProbePose Truth::pose(const TrueState& state) const {
+Condition Truth::condition(const TrueState& state) const {
   const std::size_t joints = state.position.size();
   const bool laser = !std::isnan(state.laserReading);
   Condition now;
@@ -35,6 +35,12 @@ ProbePose Truth::pose(const TrueState& state) const {
   now.bodies = thermal_.recorded(state.time);
   for (const TrueCovariate& covariate : physics_.covariates)
     now.covariates.push_back(covariate.at(state.time));
+  return now;
+}
+
+ProbePose Truth::pose(const TrueState& state) const {
+  const bool laser = !std::isnan(state.laserReading);
+  const Condition now = condition(state);
   const Distortion distortion = physics_.distortion(now);
   ProbePose pose = chain_.pose(now.slide, distortion);
   if (laser) {

@@ -52,6 +52,8 @@ class Truth {
   Truth(Chain chain, Physics physics, ThermalModel thermal)
       : chain_(std::move(chain)), physics_(std::move(physics)), thermal_(std::move(thermal)) {}
 
+  /// What its errors depend on in a state.
+  Condition condition(const TrueState& state) const;
   /// True tip centre (touch) or surface point (laser) and true orientation of the probe, in workpiece.
   /// Times beyond the session's end have its last temperatures.
   ProbePose pose(const TrueState& state) const;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "base/yaml_mapping.h"
 
 namespace mm {
@@ -93,8 +94,7 @@ void Roughness::change(const std::string& words, const std::string& where) {
   std::istringstream in(words);
   std::string item;
   while (std::getline(in, item, ',')) {
-    const std::size_t begin = item.find_first_not_of(" \t"), end = item.find_last_not_of(" \t");
-    item = begin == std::string::npos ? "" : item.substr(begin, end - begin + 1);
+    item = std::string(trim(item, " \t"));
     const std::size_t equals = item.find('=');
     const std::string word = item.substr(0, equals);
     bool known = false;

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "base/range.h"
 #include "session/trial_block.h"
 #include "simulation/wander.h"
 
@@ -22,17 +23,14 @@ InstrumentSettings settingsOf(const Plan& plan, const SimulationRequest& request
 void rangesOf(const Plan& plan, const Machine& machine, std::vector<double>& lower,
               std::vector<double>& upper) {
   for (int j = 0; j < machine.jointCount(); ++j) {
-    double low = INFINITY, high = -INFINITY;
-    for (const PlanMove& move : plan.moves) {
-      if (move.kind == MoveKind::kGo) continue;
-      low = std::min(low, move.position[j]);
-      high = std::max(high, move.position[j]);
-    }
+    Range range;
+    for (const PlanMove& move : plan.moves)
+      if (move.kind != MoveKind::kGo) range.add(move.position[j]);
     const Joint& joint = machine.joints()[j];
     constexpr double kNotMoved = 1e-6;  // m or rad
-    if (high - low < kNotMoved && joint.upper > joint.lower) low = joint.lower, high = joint.upper;
-    lower.push_back(low);
-    upper.push_back(high);
+    if (range.size() < kNotMoved && joint.upper > joint.lower) range = {joint.lower, joint.upper};
+    lower.push_back(range.lower);
+    upper.push_back(range.upper);
   }
 }
 
@@ -205,12 +203,7 @@ class Recorder {
       o.kind = ObservationKind::kPosition;
       o.reference = machine_.measurePosition();
     }
-    TrueState state;
-    state.time = o.time;
-    state.position = o.position;
-    state.velocity = o.velocity;
-    state.travel = o.travel;
-    result_.states.push_back(std::move(state));
+    result_.states.push_back({o.time, o.position, o.velocity, o.travel});
     result_.truePositions.push_back(machine_.trueTip());
   }
 
@@ -238,20 +231,8 @@ std::vector<Condition> rehearse(const Machine& machine, const Plan& plan, const 
   Recorder recorder(plan, uncorrected, makeInstrument(machine, plan, uncorrected, Hide::kNothing));
   for (const PlanMove& move : plan.moves) recorder.run(move);
   const Simulation run = recorder.finish();
-  const InstrumentSettings settings = InstrumentSettings::parse(plan.text, plan.source);
-  const int bodies = settings.thermalModel().bodyCount();
   std::vector<Condition> visits;
-  for (const TrueState& state : run.states) {
-    Condition visit;
-    visit.time = state.time;
-    visit.drive = visit.slide = state.position;
-    visit.velocity = state.velocity;
-    visit.travel = state.travel;
-    for (int b = 0; b < bodies; ++b) visit.bodies.push_back(run.truth->temperature(b, state.time));
-    for (const TrueCovariate& covariate : settings.covariates)
-      visit.covariates.push_back(covariate.at(state.time));
-    visits.push_back(std::move(visit));
-  }
+  for (const TrueState& state : run.states) visits.push_back(run.truth->condition(state));
   return visits;
 }
 

@@ -131,27 +131,31 @@ void SimulatedMachine::wait(double seconds) {
   pass(seconds, 0.0);
 }
 
+SimulatedMachine::Segment SimulatedMachine::straightTo(const std::vector<double>& target,
+                                                       double duration) const {
+  Segment segment{drive_, target, target, duration};
+  for (std::size_t j = 0; j < drive_.size(); ++j) segment.velocity[j] = (target[j] - drive_[j]) / duration;
+  return segment;
+}
+
 void SimulatedMachine::drive(const Segment& segment, double part) {
   velocity_ = segment.velocity;
-  for (std::size_t j = 0; j < drive_.size(); ++j) {
+  travel_ = travelNow();
+  for (std::size_t j = 0; j < drive_.size(); ++j)
     drive_[j] = segment.from[j] + part * (segment.to[j] - segment.from[j]);
-    if (velocity_[j] != 0.0) travel_[j] = velocity_[j] > 0.0 ? 1.0 : -1.0;
-  }
   const std::vector<double> driven = corrected(drive_);
   for (std::size_t j = 0; j < drive_.size(); ++j) play_[j].follow(driven[j]);
   pass(part * segment.duration, activityOf(machine_, velocity_));
 }
 
 void SimulatedMachine::moveTo(const std::vector<double>& target, double linear, double rotary) {
-  Segment segment{drive_, target, std::vector<double>(drive_.size(), 0.0), 0.0};
+  double duration = 0.0;
   for (std::size_t j = 0; j < drive_.size(); ++j) {
     const double highest = machine_.joints()[j].kind == JointKind::kLinear ? linear : rotary;
-    segment.duration = std::max(segment.duration, std::abs(target[j] - drive_[j]) / highest);
+    duration = std::max(duration, std::abs(target[j] - drive_[j]) / highest);
   }
-  if (segment.duration == 0.0) return;
-  for (std::size_t j = 0; j < drive_.size(); ++j)
-    segment.velocity[j] = (target[j] - drive_[j]) / segment.duration;
-  drive(segment, 1.0);
+  if (duration == 0.0) return;
+  drive(straightTo(target, duration), 1.0);
   drive_ = target;
   std::fill(velocity_.begin(), velocity_.end(), 0.0);
 }
@@ -159,12 +163,12 @@ void SimulatedMachine::moveTo(const std::vector<double>& target, double linear, 
 void SimulatedMachine::step(const std::vector<double>& target, const std::vector<double>& speed,
                             double seconds) {
   if (seconds <= 0.0) return;
-  Segment segment{drive_, drive_, std::vector<double>(drive_.size(), 0.0), seconds};
+  std::vector<double> to = drive_;
   for (std::size_t j = 0; j < drive_.size(); ++j) {
     const double reach = speed[j] * seconds;
-    segment.to[j] = drive_[j] + std::clamp(target[j] - drive_[j], -reach, reach);
-    segment.velocity[j] = (segment.to[j] - drive_[j]) / seconds;
+    to[j] += std::clamp(target[j] - drive_[j], -reach, reach);
   }
+  const Segment segment = straightTo(to, seconds);
   bool touchesNow = false;
   if (!settings_.laser.present)
     for (int f = 0; f < static_cast<int>(artifact_.features.size()); ++f) {

@@ -85,6 +85,7 @@ class SimulatedMachine {
     std::vector<double> from, to, velocity;
     double duration = 0.0;  // s
   };
+  Segment straightTo(const std::vector<double>& target, double duration) const;
   Condition condition(const std::vector<double>& drive, double time) const;
   /// Where the drives really go for a commanded position.
   std::vector<double> travelNow() const;  // of each drive, -1 or +1; 0: it never moved

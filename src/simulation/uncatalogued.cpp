@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "base/error.h"
 
@@ -53,8 +54,13 @@ std::string filledIn(std::string text, const HiddenSource& source) {
 void build(const UncataloguedKind& kind, const Making& m) {
   const HiddenSource& source = m.source;
   const Workshop& w = m.workshop;
-  const Quantity shape = kind.shape(Setting(source, w));
-  const Spread spread = spreadOf(shape, w.visits());
+  const std::vector<Condition>& visits = w.visits();
+  if (visits.empty())
+    throw InputError("'" + source.type + "' cannot be hidden in a plan that measures nothing");
+  const auto setting = std::make_shared<const Setting>(source, w, visits);
+  Quantity shape = [&kind, setting](const Condition& c) { return kind.shape({*setting, c}); };
+  if (kind.qualified) shape = qualified(shape, setting->linearAxes, visits);
+  const Spread spread = spreadOf(shape, visits);
   // Nearly constant: what little it varies would be blown up to the size asked for.
   constexpr double kRounding = 1e-12;  // of the shape, which is of order one
   if (!(spread.deviation > 0.05 * std::abs(spread.mean)) || !(spread.deviation > kRounding))
@@ -65,13 +71,15 @@ void build(const UncataloguedKind& kind, const Making& m) {
     return factor * (shape(c) - mean);
   };
   if (kind.along == Along::kApproach)  // the tip is farther on than it says
-    return m.add([error, axes = linearAxes(w)](const Condition& c, Distortion& d) {
-      const Eigen::Vector3d motion = tipMotion(axes, c);
+    return m.add([error](const Instant& i, Distortion& d) {
+      const Eigen::Vector3d motion = i.tipMotion();
       const double speed = motion.norm();
-      if (speed > 0.0) d.tipShift += error(c) / speed * motion;
+      if (speed > 0.0) d.tipShift += error(i.now) / speed * motion;
     });
-  m.add([error, direction = directionOf(w.machine, directionName(kind, source, w.machine, w.chain))](
-            const Condition& c, Distortion& d) { direction.add(d, error(c)); });
+  // a joint's own motion where a joint has that name, else the axis of workpiece
+  const std::string name = directionName(kind, source, w.machine, w.chain);
+  const Direction direction{w.machine.findJoint(name), name[0] - 'x'};
+  m.add([error, direction](const Instant& i, Distortion& d) { direction.add(d, error(i.now)); });
 }
 
 /// Only a probe that is moving when it measures has a speed and a way by which it comes.

@@ -4,7 +4,7 @@
 
 #include "base/error.h"
 #include "simulation/catalogue.h"
-#include "simulation/uncatalogued_setting.h"
+#include "simulation/setting.h"
 
 namespace mm {
 
@@ -36,7 +36,8 @@ struct UncataloguedKind {
   std::vector<SourceKind::KeyRule> keys;
   std::vector<SourceKind::NumberRule> shapeNumbers;  // after the size
   std::vector<std::string> variables;                // a key in brackets stands for its value: `[axis] speed`
-  std::function<Quantity(const Setting&)> shape;     // of any size
+  double (*shape)(const Instant&) = nullptr;         // of any size
+  bool qualified = false;                            // less what a qualification of the probe takes out
 };
 
 /// All of them; every type begins with `uncatalogued_`.

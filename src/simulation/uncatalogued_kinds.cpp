@@ -1,31 +1,50 @@
-// Uncatalogued effects of the structure and the drives, each by its physics.
-#include "simulation/uncatalogued_kinds.h"
-
+// Uncatalogued effects, each by its physics.
+#include <algorithm>
 #include <cmath>
 
-namespace mm {
-namespace uncatalogued {
+#include "base/units.h"
+#include "simulation/uncatalogued.h"
 
-Kinds structure() {
+namespace mm {
+namespace {
+
+using Along = UncataloguedKind::Along;
+using Key = SourceKind::Key;
+
+const SourceKind::KeyRule kAxis = {"axis", Key::kLinear, ""}, kLevelAxis = {"axis", Key::kLevel, ""},
+                          kAcross = {"across", Key::kOtherLinear, ""},
+                          kSideways = {"direction", Key::kOtherDirection, ""},
+                          kAnywhere = {"direction", Key::kDirection, ""},
+                          kSensor = {"sensor", Key::kBody, ""}, kWarm = {"warm", Key::kBody, ""},
+                          kCold = {"cold", Key::kColdBody, ""}, kDamp = {"covariate", Key::kCovariate, ""};
+const SourceKind::NumberRule kPhase = {"phase", "turn", 0.01, 6.28};
+
+/// Radians of a part of a turn.
+double turns(double part) { return 2.0 * kPi * part; }
+
+/// 0 long before, 1 long after `at`.
+double step(double value, double at, double width) { return 0.5 + 0.5 * std::tanh((value - at) / width); }
+
+std::vector<UncataloguedKind> makeUncataloguedKinds() {
   return {
+      // of the guides and the table: positions
       {"uncatalogued_guide_load",
        "the carriage loads its guide the more, the farther out on its beam it stands",
        Along::kThird,
        {kAxis, kAcross},
        {},
        {"[axis]", "[across]"},
-       [](const Setting& s) { return s.place("axis") * s.place("across"); }},
+       [](const Instant& i) { return i.place("axis") * i.place("across"); }},
       {"uncatalogued_table_sag",
        "a table on two supports sags under a mass that travels between them and leans over to one side",
        Along::kThird,
        {kAxis, kAcross},
        {},
        {"[axis]", "[across]"},
-       [](const Setting& s) -> Quantity {
-         return [u = s.place("axis"), w = s.place("across")](const Condition& c) {
-           const double a = 1.0 - 0.9 * u(c), b = 1.0 + 0.9 * u(c);  // distances to the supports
-           return a * a * b * b * (0.5 + 0.5 * w(c));
-         };
+       [](const Instant& i) {
+         const double u = i.place("axis");
+         const double a = 1.0 - 0.9 * u, b = 1.0 + 0.9 * u;  // distances to the supports
+         return a * a * b * b * (0.5 + 0.5 * i.place("across"));
        }},
       {"uncatalogued_plate_seam",
        "the table is made of two plates that meet at an angle along a slanting seam",
@@ -35,12 +54,10 @@ Kinds structure() {
         {"seam", "length", 0.5e-3, 5e-3, true},
         {"rounding", "length", 0.5e-3, 2e-3}},
        {"[axis]", "[across]"},
-       [](const Setting& s) -> Quantity {
-         const double cosine = std::cos(s.number("angle")), sine = std::sin(s.number("angle"));
-         return [=, q = s.position("axis"), r = s.position("across"), at = s.number("seam"),
-                 edge = s.number("rounding")](const Condition& c) {
-           return std::hypot(cosine * q(c) + sine * r(c) - at, edge);
-         };
+       [](const Instant& i) {
+         const double cosine = std::cos(i.number("angle")), sine = std::sin(i.number("angle"));
+         return std::hypot(cosine * i.position("axis") + sine * i.position("across") - i.number("seam"),
+                           i.number("rounding"));
        }},
       {"uncatalogued_diagonal_ribs",
        "the table's diagonal ribs show through its surface",
@@ -48,11 +65,10 @@ Kinds structure() {
        {kAxis, kAcross},
        {{"pitch", "length", 9e-3, 16e-3}, kPhase, {"slope", "share", 1.0, 1.0, true}},
        {"[axis]", "[across]"},
-       [](const Setting& s) -> Quantity {
-         return [q = s.position("axis"), r = s.position("across"), pitch = s.number("pitch"),
-                 slope = s.number("slope"), phase = s.number("phase")](const Condition& c) {
-           return std::cos(turns((q(c) + slope * r(c)) / pitch) + phase);
-         };
+       [](const Instant& i) {
+         return std::cos(
+             turns((i.position("axis") + i.number("slope") * i.position("across")) / i.number("pitch")) +
+             i.number("phase"));
        }},
       {"uncatalogued_rail_bolts",
        "the rail is drawn down where it is bolted",
@@ -60,9 +76,8 @@ Kinds structure() {
        {kAxis, kSideways},
        {{"pitch", "length", 6e-3, 10e-3}, kPhase},
        {"[axis]"},
-       [](const Setting& s) -> Quantity {
-         return [q = s.position("axis"), pitch = s.number("pitch"), phase = s.number("phase")](
-                    const Condition& c) { return std::exp(1.5 * std::cos(turns(q(c) / pitch) + phase)); };
+       [](const Instant& i) {
+         return std::exp(1.5 * std::cos(turns(i.position("axis") / i.number("pitch")) + i.number("phase")));
        }},
       {"uncatalogued_growing_cogging",
        "the motor's cogging reaches the tip through a yoke that is softer the farther out it stands",
@@ -70,11 +85,9 @@ Kinds structure() {
        {kAxis, kAcross},
        {{"pitch", "length", 1.2e-3, 2.6e-3}, kPhase},
        {"[axis]", "[across]"},
-       [](const Setting& s) -> Quantity {
-         return [q = s.position("axis"), w = s.place("across"), pitch = s.number("pitch"),
-                 phase = s.number("phase")](const Condition& c) {
-           return std::sin(turns(q(c) / pitch) + phase) * std::exp(1.2 * w(c));
-         };
+       [](const Instant& i) {
+         return std::sin(turns(i.position("axis") / i.number("pitch")) + i.number("phase")) *
+                std::exp(1.2 * i.place("across"));
        }},
       {"uncatalogued_end_stop_warp",
        "the bridge warps as it runs up against its end stop",
@@ -82,28 +95,20 @@ Kinds structure() {
        {kAxis, kAcross},
        {{"reach", "share", 0.2, 0.5}},
        {"[axis]", "[across]"},
-       [](const Setting& s) -> Quantity {
-         return [u = s.place("axis"), w = s.place("across"), reach = s.number("reach")](const Condition& c) {
-           return std::exp((u(c) - 1.0) / reach) * w(c);
-         };
+       [](const Instant& i) {
+         return std::exp((i.place("axis") - 1.0) / i.number("reach")) * i.place("across");
        }},
-  };
-}
 
-Kinds friction() {
-  return {
+      // of the drives: speed and direction of travel
       {"uncatalogued_loose_nut",
        "the bridge bends over the worn middle of its cross rail and eases the nut there: it has play",
        Along::kOwnAxis,
        {kLevelAxis, kAcross},
        {{"place", "share", 0.05, 0.4, true}, {"width", "share", 0.25, 0.45}},
        {"[axis] travel direction", "[across]"},
-       [](const Setting& s) -> Quantity {
-         return [side = s.side("axis"), w = s.place("across"), at = s.number("place"),
-                 width = s.number("width")](const Condition& c) {
-           const double away = (w(c) - at) / width;
-           return side(c) * std::exp(-0.5 * away * away);
-         };
+       [](const Instant& i) {
+         const double away = (i.place("across") - i.number("place")) / i.number("width");
+         return i.side("axis") * std::exp(-0.5 * away * away);
        }},
       {"uncatalogued_warm_nut",
        "the nut, preloaded when it was cool, gains play as it warms",
@@ -111,24 +116,22 @@ Kinds friction() {
        {kLevelAxis, kSensor},
        {},
        {"[axis] travel direction", "temperature [sensor]"},
-       [](const Setting& s) { return s.side("axis") * s.warmth("sensor"); }},
+       [](const Instant& i) { return i.side("axis") * i.warmth("sensor"); }},
       {"uncatalogued_friction_lever",
        "friction drags the carriage askew, with the arm at which the tip stands",
        Along::kOwnAxis,
        {kLevelAxis, kAcross},
        {},
        {"[axis] travel direction", "[across]"},
-       [](const Setting& s) { return s.side("axis") * s.place("across"); }},
+       [](const Instant& i) { return i.side("axis") * i.place("across"); }},
       {"uncatalogued_stick_slip",
        "dry friction winds the drive up at low speed and lets go at higher (Stribeck)",
        Along::kOwnAxis,
        {kLevelAxis},
        {{"knee", "speed", 0.6e-3, 1.5e-3}},
        {"[axis] speed"},
-       [](const Setting& s) -> Quantity {
-         return [v = s.velocity("axis"), side = s.side("axis"), knee = s.number("knee")](const Condition& c) {
-           return side(c) * std::exp(-std::pow(v(c) / knee, 2));
-         };
+       [](const Instant& i) {
+         return i.side("axis") * std::exp(-std::pow(i.velocity("axis") / i.number("knee"), 2));
        }},
       {"uncatalogued_hydrodynamic_film",
        "the carriage floats up on its oil film with speed",
@@ -136,48 +139,184 @@ Kinds friction() {
        {kLevelAxis, kSideways},
        {},
        {"[axis] speed"},
-       [](const Setting& s) -> Quantity {
-         return [v = s.velocity("axis")](const Condition& c) { return std::sqrt(std::abs(v(c))); };
-       }},
+       [](const Instant& i) { return std::sqrt(std::abs(i.velocity("axis"))); }},
       {"uncatalogued_reversal_heave",
        "the carriage tips in its guide at reversal and lifts or turns aside",
        Along::kDirection,
        {kLevelAxis, kSideways},
        {},
        {"[axis] travel direction"},
-       [](const Setting& s) { return s.side("axis"); }},
+       [](const Instant& i) { return i.side("axis"); }},
       {"uncatalogued_drive_yaw",
        "viscous drag beside the drive turns the carriage, with the arm at which the tip stands",
        Along::kOwnAxis,
        {kLevelAxis, kAcross},
        {},
        {"[axis] speed", "[across]"},
-       [](const Setting& s) { return s.velocity("axis") * s.place("across"); }},
+       [](const Instant& i) { return i.velocity("axis") * i.place("across"); }},
       {"uncatalogued_grease_drag",
        "the grease thins as it warms, and the drive lags less",
        Along::kOwnAxis,
        {kLevelAxis, kSensor},
        {},
        {"[axis] speed", "temperature [sensor]"},
-       [](const Setting& s) -> Quantity {
-         return [v = s.velocity("axis"), warmth = s.warmth("sensor")](const Condition& c) {
-           return v(c) * (std::exp(-0.2 * warmth(c)) - 1.0);
-         };
+       [](const Instant& i) { return i.velocity("axis") * (std::exp(-0.2 * i.warmth("sensor")) - 1.0); }},
+
+      // temperatures and moisture
+      {"uncatalogued_cold_cable_chain",
+       "the cable chain pulls to the side where it bends over, harder in the cold",
+       Along::kDirection,
+       {kAxis, kSideways, kSensor},
+       {{"place", "share", 0.05, 0.4, true}, {"width", "share", 0.15, 0.4}},
+       {"[axis]", "temperature [sensor]"},
+       [](const Instant& i) {
+         return std::tanh((i.place("axis") - i.number("place")) / i.number("width")) * i.warmth("sensor");
+       }},
+      {"uncatalogued_bed_bow",
+       "a bed warmer on one face than on the other bows",
+       Along::kDirection,
+       {kAxis, kSideways, kWarm, kCold},
+       {},
+       {"[axis]", "temperature [warm]", "temperature [cold]"},
+       [](const Instant& i) {
+         return (i.warmth("warm") - i.warmth("cold")) * (1.0 - i.place("axis") * i.place("axis"));
+       }},
+      {"uncatalogued_invar_curve",
+       "a part of invar has its least length at one temperature and grows to both sides of it",
+       Along::kDirection,
+       {kAnywhere, kSensor},
+       {},
+       {"temperature [sensor]"},
+       [](const Instant& i) { return i.warmth("sensor") * i.warmth("sensor"); }},
+      {"uncatalogued_hot_creep",
+       "a glued joint gives way with time and yields to heat the more it has",
+       Along::kDirection,
+       {kAnywhere, kSensor},
+       {},
+       {"temperature [sensor]", "time"},
+       [](const Instant& i) { return i.warmth("sensor") * (i.now.time / i.duration() - 0.5); }},
+      {"uncatalogued_damp_warmth",
+       "a polymer part swells with moisture when it is warm",
+       Along::kDirection,
+       {kAnywhere, kSensor, kDamp},
+       {},
+       {"temperature [sensor]", "[covariate]"},
+       [](const Instant& i) { return i.warmth("sensor") * i.moisture("covariate"); }},
+      {"uncatalogued_swollen_granite",
+       "granite swells once more moisture is about than its seal keeps out",
+       Along::kDirection,
+       {kAnywhere, kDamp},
+       {},
+       {"[covariate]"},
+       [](const Instant& i) { return i.moisture("covariate") * i.moisture("covariate"); }},
+      {"uncatalogued_damp_bow",
+       "a granite table takes up moisture at its face and bows",
+       Along::kDirection,
+       {kAxis, kSideways, kDamp},
+       {},
+       {"[axis]", "[covariate]"},
+       [](const Instant& i) { return i.moisture("covariate") * (1.0 - i.place("axis") * i.place("axis")); }},
+
+      // what happens in the course of time
+      {"uncatalogued_floor_oscillation",
+       "the floor moves with a machine next door that runs in cycles",
+       Along::kDirection,
+       {kAnywhere},
+       {{"period", "s", 300.0, 1100.0}, kPhase},
+       {"time"},
+       [](const Instant& i) { return std::sin(turns(i.now.time / i.number("period")) + i.number("phase")); }},
+      {"uncatalogued_rocking_floor",
+       "the floor rocks in cycles, and the table with it",
+       Along::kDirection,
+       {kAxis, kSideways},
+       {{"period", "s", 400.0, 1200.0}, kPhase},
+       {"[axis]", "time"},
+       [](const Instant& i) {
+         return i.place("axis") * std::sin(turns(i.now.time / i.number("period")) + i.number("phase"));
+       }},
+      {"uncatalogued_thermal_shock",
+       "a door was opened: a cold draught, then a slow recovery",
+       Along::kDirection,
+       {kAnywhere},
+       {{"moment", "share", 0.25, 0.6}, {"recovery", "s", 300.0, 900.0}},
+       {"time"},
+       [](const Instant& i) {
+         constexpr double kDraught = 30.0;  // s
+         const double since = i.now.time - i.number("moment") * i.duration();
+         return since <= 0.0 ? 0.0
+                             : (1.0 - std::exp(-since / kDraught)) * std::exp(-since / i.number("recovery"));
+       }},
+      {"uncatalogued_slipping_plate",
+       "a clamp let go at one moment, and the plate turned",
+       Along::kDirection,
+       {kAxis, kSideways},
+       {{"moment", "share", 0.3, 0.7}},
+       {"[axis]", "time"},
+       [](const Instant& i) {
+         return i.place("axis") * step(i.now.time, i.number("moment") * i.duration(), 10.0);
+       }},
+
+      // along the approach
+      {"uncatalogued_cable_drag",
+       "the probe's cable hangs over beyond a point and its drag delays the trigger",
+       Along::kApproach,
+       {kAxis},
+       {{"place", "share", 0.05, 0.3, true}, {"width", "share", 0.05, 0.15}},
+       {"[axis]"},
+       [](const Instant& i) { return step(i.place("axis"), i.number("place"), i.number("width")); }},
+      {"uncatalogued_taut_cable",
+       "the probe's cable is slack up to a point and pulls on the stylus beyond it",
+       Along::kApproach,
+       {kAxis},
+       {{"place", "share", 0.05, 0.4, true}, {"width", "share", 0.05, 0.15}},
+       {"[axis]"},
+       [](const Instant& i) {
+         return i.number("width") *
+                std::log1p(std::exp((i.place("axis") - i.number("place")) / i.number("width")));
+       }},
+      {"uncatalogued_trigger_resonance",
+       "the trigger circuit rings when the probe comes at one speed",
+       Along::kApproach,
+       {},
+       {{"speed", "speed", 2e-3, 3e-3}, {"width", "speed", 0.4e-3, 0.8e-3}},
+       {"tip speed"},
+       [](const Instant& i) {
+         return 1.0 / (1.0 + std::pow((i.tipMotion().norm() - i.number("speed")) / i.number("width"), 2));
+       }},
+      {"uncatalogued_stylus_bending",
+       "a long stylus bends before the probe trips, when it is pushed from the side",
+       Along::kApproach,
+       {},
+       {{"slenderness", "share", 0.2, 0.8}},
+       {"approach"},
+       [](const Instant& i) {
+         const double sideways = i.slant() * i.slant();
+         return sideways * (1.0 + i.number("slenderness") * sideways);
+       },
+       true},
+      {"uncatalogued_warm_probe",
+       "the probe's spring softens with heat, and it trips later",
+       Along::kApproach,
+       {kSensor},
+       {},
+       {"temperature [sensor]"},
+       [](const Instant& i) { return i.warmth("sensor"); }},
+      {"uncatalogued_worn_tip",
+       "the tip wears off, quickly at first",
+       Along::kApproach,
+       {},
+       {{"exponent", "share", 0.5, 0.8}},
+       {"time"},
+       [](const Instant& i) {
+         return std::pow(std::max(0.0, i.now.time / i.duration()), i.number("exponent"));
        }},
   };
 }
 
-}  // namespace uncatalogued
+}  // namespace
 
 const std::vector<UncataloguedKind>& uncataloguedKinds() {
-  static const uncatalogued::Kinds kinds = [] {
-    uncatalogued::Kinds all;
-    for (const uncatalogued::Kinds& group :
-         {uncatalogued::structure(), uncatalogued::friction(), uncatalogued::heat(), uncatalogued::moments(),
-          uncatalogued::probe()})
-      all.insert(all.end(), group.begin(), group.end());
-    return all;
-  }();
+  static const std::vector<UncataloguedKind> kinds = makeUncataloguedKinds();
   return kinds;
 }
 

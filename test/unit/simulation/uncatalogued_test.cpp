@@ -81,16 +81,7 @@ double changeBy(const Source& source, const UncataloguedTruth& truth,
 
 std::vector<Condition> conditionsOf(const Simulation& s) {
   std::vector<Condition> conditions;
-  for (const TrueState& state : s.states) {
-    Condition c;
-    c.time = state.time;
-    c.drive = c.slide = state.position;
-    c.velocity = state.velocity;
-    for (int b = 0; b < 4; ++b) c.bodies.push_back(s.truth->temperature(b, state.time));
-    for (const TrueCovariate& covariate : s.truth->physics().covariates)
-      c.covariates.push_back(covariate.at(state.time));
-    conditions.push_back(std::move(c));
-  }
+  for (const TrueState& state : s.states) conditions.push_back(s.truth->condition(state));
   return conditions;
 }
 
