@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "simulation/heated_mill.h"
+#include "heated_mill.h"
 #include "thermal/thermal_network.h"
 
 namespace mm {

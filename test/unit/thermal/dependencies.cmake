@@ -1,1 +1,1 @@
-set(thermal_test_dependencies simulation)
+set(thermal_test_dependencies heated_mill)

@@ -8,9 +8,9 @@
 #include <numeric>
 
 #include "base/error.h"
+#include "heated_mill.h"
 #include "long_tests.h"
 #include "random_numbers.h"
-#include "simulation/heated_mill.h"
 #include "thermal/sensor_selection.h"
 
 namespace mm {

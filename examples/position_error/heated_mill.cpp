@@ -1,4 +1,4 @@
-#include "simulation/heated_mill.h"
+#include "heated_mill.h"
 
 #include <algorithm>
 #include <cmath>
