@@ -187,7 +187,7 @@ void stagedMutation(benchmark::State& state) {
     mm::StagedMutationSettings settings;
     settings.seed = seed;
     settings.threads = threads;
-    return mm::StagedMutation(settings).run(fitness, ranges).best;
+    return mm::runStagedMutation(fitness, ranges, settings).best;
   });
 }
 

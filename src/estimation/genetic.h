@@ -2,7 +2,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <string>
 #include <vector>
 
 namespace mm {
@@ -30,8 +29,8 @@ class GeneticFitness {
   /// on its neighbours in the block.
   virtual void evaluate(const double* population, std::size_t count, double* costs) const = 0;
 
-  /// Called from the driver's thread, while no evaluation runs: before the first generation with the start
-  /// chromosome, then after each generation with its best. Unknowns that are not genes (ball centres) are
+  /// Called from the driver's thread, while no evaluation runs: before the first generation with the middle
+  /// of the ranges, then after each generation with its best. Unknowns that are not genes (ball centres) are
   /// recomputed here. Returns true when the costs of chromosomes have changed.
   virtual bool newGeneration(const double* best) {
     (void)best;
@@ -54,18 +53,14 @@ struct GeneticSettings {
   std::size_t population = 500;   // chromosomes, at least 2
   std::size_t generations = 100;  // 0: only the random population is evaluated
   std::uint64_t seed = 1;
-  unsigned threads = 1;       // 0: all cores. Results do not depend on it
-  double targetCost = 0.0;    // stops when the best cost is at most this; 0 never stops
-  std::vector<double> start;  // optional chromosome of the first population, inside the ranges
+  unsigned threads = 1;  // 0: all cores. Results do not depend on it
 };
 
-/// One generation, as seen by the progress callback. `best` is valid during the call only.
+/// One generation, as seen by the progress callback.
 struct GeneticProgress {
   std::size_t generation = 0;   // 0 is the random population
   std::size_t generations = 0;  // asked for
-  std::size_t evaluations = 0;
-  double cost = 0.0;  // of the best chromosome
-  const double* best = nullptr;
+  double cost = 0.0;            // of the best chromosome
 };
 
 /// Callbacks of a run, both optional, called from the caller's thread once a generation.
@@ -74,10 +69,6 @@ struct GeneticControl {
   std::function<bool()> cancelled;  // true ends the run; the best chromosome so far is kept
 };
 
-enum class GeneticStop { kGenerations, kTargetCost, kCancelled };
-/// "generations", "target_cost" or "cancelled".
-std::string nameOf(GeneticStop stop);
-
 /// What a run found.
 struct GeneticResult {
   std::vector<double> best;   // chromosome, in the ranges' units
@@ -85,25 +76,8 @@ struct GeneticResult {
   std::vector<double> curve;  // best cost of each generation, from the random population on
   std::size_t evaluations = 0;
   std::size_t generations = 0;  // completed
-  GeneticStop stop = GeneticStop::kGenerations;
-  std::uint64_t seed = 0;
-  double seconds = 0.0;  // wall clock; the only figure that differs between two runs with one seed
-
-  /// Square root of `cost` and of `curve`: the RMS of residuals, where the cost is their mean square.
-  double rms() const;
-  std::vector<double> rmsCurve() const;
-};
-
-/// One genetic algorithm with its settings; a run has no side effects on it.
-class GeneticAlgorithm {
- public:
-  virtual ~GeneticAlgorithm() = default;
-  /// The name by which `--method` selects it.
-  virtual std::string name() const = 0;
-  /// Throws InputError for ranges that do not fit the fitness or a start outside them, NumericalError when no
-  /// chromosome has a finite cost. An exception of the fitness or of a callback passes through.
-  virtual GeneticResult run(GeneticFitness& fitness, const GeneticRanges& ranges,
-                            const GeneticControl& control = {}) const = 0;
+  bool cancelled = false;       // before the last generation
+  double seconds = 0.0;         // wall clock; the only figure that differs between two runs with one seed
 };
 
 }  // namespace mm

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "estimation/genetic_run.h"
 
@@ -40,16 +39,14 @@ void NichingSettings::validate() const {
   checkSetting(kNiching, "precision", precision, 1e-15, 0.1);
   checkSetting(kNiching, "threshold", threshold, 0.0, 1.0);
   checkSetting(kNiching, "reach", reach, 1e-15, 1.0);
-  checkSetting(kNiching, "blend", blend, 0.0, 1.0);
 }
 
-Niching::Niching(NichingSettings settings) : settings_(std::move(settings)) { settings_.validate(); }
-
-GeneticResult Niching::run(GeneticFitness& fitness, const GeneticRanges& ranges,
-                           const GeneticControl& control) const {
-  GeneticRun run(kNiching, fitness, ranges, settings_, control);
+GeneticResult runNiching(GeneticFitness& fitness, const GeneticRanges& ranges,
+                         const NichingSettings& settings, const GeneticControl& control) {
+  settings.validate();
+  GeneticRun run(kNiching, fitness, ranges, settings, control);
   const std::size_t n = run.dimension(), population = run.population();
-  const double nearest = settings_.threshold * settings_.threshold;
+  const double nearest = settings.threshold * settings.threshold;
   std::vector<double> pool(population * n);
   const auto pooled = [&](std::size_t i) { return pool.data() + i * n; };
 
@@ -61,14 +58,14 @@ GeneticResult Niching::run(GeneticFitness& fitness, const GeneticRanges& ranges,
       const double* candidate = run.ranked(i);
       bool close = false;
       const std::size_t templates =
-          settings_.templates == NichingTemplates::kEach ? kept : std::min<std::size_t>(kept, 1);
-      for (std::size_t k = 0; settings_.eliminate && !close && k < templates; ++k)
+          settings.templates == NichingTemplates::kEach ? kept : std::min<std::size_t>(kept, 1);
+      for (std::size_t k = 0; settings.eliminate && !close && k < templates; ++k)
         close = separation(candidate, pooled(k), ranges) < nearest;
       if (!close) std::copy_n(candidate, n, pooled(kept++));
     }
     GeneticRandom refill = run.random(population);  // a stream of its own
     const std::size_t parents = kept;
-    const bool reproduce = settings_.refill == NichingRefill::kReproduce;
+    const bool reproduce = settings.refill == NichingRefill::kReproduce;
     for (std::size_t below = population - above; reproduce && below > 0; --below)
       std::copy_n(pooled(refill.below(parents)), n, pooled(kept++));
     while (kept < population) run.fillRandom(pooled(kept++), refill);
@@ -78,16 +75,15 @@ GeneticResult Niching::run(GeneticFitness& fitness, const GeneticRanges& ranges,
       GeneticRandom random = run.random(i);
       double* child = run.chromosome(i);
       std::copy_n(pooled(i), n, child);
-      if (random.unit() < settings_.crossover) {
+      if (random.unit() < settings.crossover) {
         const double* mate = pooled(random.below(population));
-        for (std::size_t j = 0; j < n; ++j)
-          child[j] += random.between(-settings_.blend, 1.0 + settings_.blend) * (mate[j] - child[j]);
+        for (std::size_t j = 0; j < n; ++j) child[j] += random.unit() * (mate[j] - child[j]);
       }
       for (std::size_t j = 0; j < n; ++j) {
         const double range = ranges.high[j] - ranges.low[j];
-        if (random.unit() < settings_.mutation)
-          child[j] += 0.5 * range * std::pow(settings_.reach, random.unit()) * random.symmetric();
-        const double step = settings_.precision * range;
+        if (random.unit() < settings.mutation)
+          child[j] += 0.5 * range * std::pow(settings.reach, random.unit()) * random.symmetric();
+        const double step = settings.precision * range;
         child[j] = ranges.low[j] + step * std::round((child[j] - ranges.low[j]) / step);
         child[j] = std::clamp(child[j], ranges.low[j], ranges.high[j]);
       }

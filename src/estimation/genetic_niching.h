@@ -40,8 +40,6 @@ struct NichingSettings : GeneticSettings {
   /// A mutation changes a gene by at most half its range times reach^v, v uniform in 0 … 1; 1: a uniform
   /// mutation.
   double reach = 1e-6;
-  /// A crossed gene is a + v (b - a), v uniform in -blend … 1 + blend, a and b the parents' genes.
-  double blend = 0.0;
 
   /// Throws InputError naming the setting, its value and the bound.
   void validate() const;
@@ -50,16 +48,9 @@ struct NichingSettings : GeneticSettings {
 /// The improved genetic algorithm of LASER: sort by fitness 1 / (1 + cost) (12); keep those above the mean
 /// fitness; drop those that are close to a fitter one; refill at random; cross and mutate. The best
 /// chromosome always lives on.
-class Niching : public GeneticAlgorithm {
- public:
-  /// Throws InputError when the settings are invalid.
-  explicit Niching(NichingSettings settings = {});
-  std::string name() const override { return settings_.eliminate ? "niching" : "traditional"; }
-  GeneticResult run(GeneticFitness& fitness, const GeneticRanges& ranges,
-                    const GeneticControl& control = {}) const override;
-
- private:
-  NichingSettings settings_;
-};
+/// @throw InputError for invalid settings, or ranges that do not fit the fitness; NumericalError when no
+/// chromosome has a finite cost. An exception of the fitness or of a callback passes through.
+GeneticResult runNiching(GeneticFitness& fitness, const GeneticRanges& ranges,
+                         const NichingSettings& settings = {}, const GeneticControl& control = {});
 
 }  // namespace mm

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <sstream>
+#include <string>
 
 #include "base/error.h"
 
@@ -15,6 +16,19 @@ namespace {
 constexpr std::size_t kIndividualsABlock = 64;
 
 }  // namespace
+
+void GeneticRanges::validate(std::size_t dimension) const {
+  if (dimension == 0) throw InputError("genetic ranges: a chromosome needs at least one gene");
+  if (low.size() != dimension || high.size() != dimension)
+    throw InputError("genetic ranges: " + std::to_string(low.size()) + " low and " +
+                     std::to_string(high.size()) + " high values where the problem has " +
+                     std::to_string(dimension) + " genes");
+  for (std::size_t i = 0; i < dimension; ++i)
+    if (!std::isfinite(low[i]) || !std::isfinite(high[i]) || !(low[i] < high[i]))
+      throw InputError("genetic ranges: gene " + std::to_string(i) + " has the range " +
+                       std::to_string(low[i]) + " to " + std::to_string(high[i]) +
+                       "; low must be below high, and both finite");
+}
 
 void checkSetting(const char* algorithm, const char* name, double value, double low, double high) {
   if (value >= low && value <= high) return;
@@ -28,7 +42,6 @@ void checkSettings(const char* algorithm, const GeneticSettings& settings) {
   checkSetting(algorithm, "population", static_cast<double>(settings.population), 2, 1e7);
   checkSetting(algorithm, "generations", static_cast<double>(settings.generations), 0, 1e7);
   checkSetting(algorithm, "threads", settings.threads, 0, 1024);
-  checkSetting(algorithm, "target_cost", settings.targetCost, 0, std::numeric_limits<double>::max());
 }
 
 GeneticRun::GeneticRun(const char* algorithm, GeneticFitness& fitness, const GeneticRanges& ranges,
@@ -41,25 +54,15 @@ GeneticRun::GeneticRun(const char* algorithm, GeneticFitness& fitness, const Gen
       dimension_(fitness.dimension()),
       threads_(settings.threads) {
   ranges.validate(dimension_);
-  if (!settings.start.empty() && settings.start.size() != dimension_)
-    throw InputError(std::string(algorithm) + ": start has " + std::to_string(settings.start.size()) +
-                     " genes where the problem has " + std::to_string(dimension_));
-  for (std::size_t i = 0; i < settings.start.size(); ++i)
-    if (!(settings.start[i] >= ranges.low[i] && settings.start[i] <= ranges.high[i]))
-      throw InputError(std::string(algorithm) + ": start of gene " + std::to_string(i) + " = " +
-                       std::to_string(settings.start[i]) + " is outside its range; widen the range");
   current_.resize(settings.population * dimension_);
   next_.resize(current_.size());
   costs_.resize(settings.population);
   order_.resize(settings.population);
   result_.best.resize(dimension_);
   result_.curve.reserve(settings.generations + 1);
-  result_.seed = settings.seed;
-
-  std::vector<double> first = settings.start;
-  if (first.empty())
-    for (std::size_t i = 0; i < dimension_; ++i) first.push_back(0.5 * (ranges.low[i] + ranges.high[i]));
-  fitness_.newGeneration(first.data());
+  std::vector<double> middle;
+  for (std::size_t i = 0; i < dimension_; ++i) middle.push_back(0.5 * (ranges.low[i] + ranges.high[i]));
+  fitness_.newGeneration(middle.data());
 }
 
 void GeneticRun::fillRandom(double* chromosome, GeneticRandom& random) const {
@@ -72,7 +75,6 @@ void GeneticRun::fillFirst() {
     GeneticRandom stream = random(i);
     fillRandom(chromosome(i), stream);
   }
-  std::copy(settings_.start.begin(), settings_.start.end(), chromosome(0));
 }
 
 void GeneticRun::evaluate() {
@@ -111,17 +113,10 @@ bool GeneticRun::closeGeneration() {
   result_.generations = generation_;
   result_.cost = cost;
   changed_ = fitness_.newGeneration(result_.best.data());
-  if (control_.progress)
-    control_.progress({generation_, settings_.generations, result_.evaluations, cost, result_.best.data()});
+  if (control_.progress) control_.progress({generation_, settings_.generations, cost});
   if (generation_ >= settings_.generations) return false;
-  if (settings_.targetCost > 0.0 && cost <= settings_.targetCost) {
-    result_.stop = GeneticStop::kTargetCost;
-    return false;
-  }
-  if (control_.cancelled && control_.cancelled()) {
-    result_.stop = GeneticStop::kCancelled;
-    return false;
-  }
+  result_.cancelled = control_.cancelled && control_.cancelled();
+  if (result_.cancelled) return false;
   ++generation_;
   return true;
 }

@@ -35,7 +35,7 @@ class GeneticRun {
   GeneticRandom random(std::size_t i) const { return {settings_.seed, generation_, i}; }
   /// Writes a random chromosome within the ranges.
   void fillRandom(double* chromosome, GeneticRandom& random) const;
-  /// Writes the first population: random, and the start chromosome, where there is one, as its first.
+  /// Writes the first population, which is random.
   void fillFirst();
 
   /// Evaluates and ranks what was written; false when the run is over.

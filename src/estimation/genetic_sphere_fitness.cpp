@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <utility>
 
-#include "base/error.h"
+#include "base/dense.h"
 #include "base/tiny.h"
 
 namespace mm {
@@ -24,65 +23,11 @@ std::size_t roundUp(std::size_t value, std::size_t multiple) {
   return (value + multiple - 1) / multiple * multiple;
 }
 
-void checkColumn(const char* what, const std::vector<double>& values, std::size_t size) {
-  if (values.size() != size)
-    throw InputError(std::string("sphere fitness: ") + what + " has " + std::to_string(values.size()) +
-                     " values where there are " + std::to_string(size) + " rows");
-  for (std::size_t i = 0; i < size; ++i)
-    if (!std::isfinite(values[i]))
-      throw InputError(std::string("sphere fitness: ") + what + " of row " + std::to_string(i) +
-                       " is not finite");
-}
-
-void checkColumns(const char* what, const std::vector<SparseColumn>& columns, std::size_t size,
-                  std::size_t coefficients) {
-  for (const SparseColumn& column : columns) {
-    checkColumn(what, column.values, size);
-    if (column.coefficient >= coefficients)
-      throw InputError(std::string("sphere fitness: ") + what + " asks for coefficient " +
-                       std::to_string(column.coefficient) + " of " + std::to_string(coefficients));
-  }
-}
-
-double rootOf(const std::vector<double>& weight, std::size_t i) {
-  if (weight.empty()) return 1.0;
-  if (weight[i] < 0.0)
-    throw InputError("sphere fitness: weight of row " + std::to_string(i) + " is negative");
-  return std::sqrt(weight[i]);
-}
-
 }  // namespace
 
 SphereFitness::SphereFitness(const SphereContacts& contacts, std::vector<SphereBall> balls,
-                             const LinearRows& rows, std::size_t coefficients, CentreRule rule,
-                             Mapping mapping, std::size_t dimension)
-    : coefficientCount_(coefficients),
-      dimension_(mapping ? dimension : coefficients),
-      contactCount_(contacts.size()),
-      rule_(rule),
-      mapping_(std::move(mapping)),
-      balls_(std::move(balls)) {
-  if (dimension_ == 0) throw InputError("sphere fitness: there is nothing to estimate: no genes");
-  const std::size_t n = contactCount_;
-  for (const auto& component : contacts.position) checkColumn("position", component, n);
-  checkColumn("distance", contacts.distance, n);
-  for (const auto& component : contacts.displacement)
-    checkColumns("displacement", component, n, coefficients);
-  checkColumns("distance column", contacts.distanceColumns, n, coefficients);
-  if (!contacts.weight.empty()) checkColumn("weight", contacts.weight, n);
-  if (contacts.ball.size() != n) throw InputError("sphere fitness: each contact needs the index of its ball");
-  for (std::size_t i = 0; i < n; ++i) {
-    if (contacts.ball[i] >= balls_.size())
-      throw InputError("sphere fitness: contact " + std::to_string(i) + " is on ball " +
-                       std::to_string(contacts.ball[i]) + " of " + std::to_string(balls_.size()));
-    if (!(contacts.distance[i] > 0.0))
-      throw InputError("sphere fitness: contact " + std::to_string(i) +
-                       " has a distance (R + r) that is not positive");
-  }
-  checkColumn("linear offset", rows.offset, rows.offset.size());
-  checkColumns("linear column", rows.columns, rows.offset.size(), coefficients);
-  if (!rows.weight.empty()) checkColumn("linear weight", rows.weight, rows.offset.size());
-  if (n + rows.offset.size() == 0) throw InputError("sphere fitness: no contacts and no linear rows");
+                             const LinearRows& rows, std::size_t coefficients, CentreRule rule)
+    : dimension_(coefficients), contactCount_(contacts.size()), rule_(rule), balls_(std::move(balls)) {
   copyContacts(contacts, rows);
 }
 
@@ -103,12 +48,11 @@ void SphereFitness::copyContacts(const SphereContacts& contacts, const LinearRow
   for (std::size_t i : order) {
     for (std::size_t axis = 0; axis < 3; ++axis) position_[axis].push_back(contacts.position[axis][i]);
     distance_.push_back(contacts.distance[i]);
-    rootWeight_.push_back(rootOf(contacts.weight, i));
+    rootWeight_.push_back(contacts.weight.empty() ? 1.0 : std::sqrt(contacts.weight[i]));
     for (const SparseColumn* column : all) columns_.push_back(column->values[i]);
   }
   corrected_ = position_;
   correctedDistance_ = distance_;
-  scratch_.resize(coefficientCount_);
 
   stride_ = kRowHead + all.size();
   std::size_t row = 0;
@@ -131,25 +75,15 @@ void SphereFitness::copyContacts(const SphereContacts& contacts, const LinearRow
   residualCount_ = contactCount_ + linearRows_;
   for (const SparseColumn& column : rows.columns) linearCoefficient_.push_back(column.coefficient);
   for (std::size_t i = 0; i < linearRows_; ++i) {
-    const double root = rootOf(rows.weight, i);
-    linear_.push_back(root * rows.offset[i]);
-    for (const SparseColumn& column : rows.columns) linear_.push_back(root * column.values[i]);
+    linear_.push_back(rows.offset[i]);
+    for (const SparseColumn& column : rows.columns) linear_.push_back(column.values[i]);
   }
-}
-
-void SphereFitness::mapCoefficients(const double* chromosome, double* coefficients) const {
-  if (mapping_)
-    mapping_(chromosome, coefficients);
-  else
-    std::copy_n(chromosome, coefficientCount_, coefficients);
 }
 
 bool SphereFitness::newGeneration(const double* best) {
   if (filled_ && !anyFree_) return false;
   filled_ = true;
-  reference_.assign(best, best + dimension_);
-  mapCoefficients(best, scratch_.data());
-  correct(scratch_.data());
+  correct(best);
   for (Group& group : groups_) {
     if (balls_[group.ball].free) recomputeCentre(group);
     fillRows(group);
@@ -253,21 +187,15 @@ void SphereFitness::finishGroup(const Group& group, std::size_t lanes, const dou
 
 void SphereFitness::evaluate(const double* population, std::size_t count, double* costs) const {
   thread_local std::vector<float> packed;
-  thread_local std::vector<double> coefficients, linear, sums, total;  // grow once a thread
+  thread_local std::vector<double> linear, sums, total;  // grow once a thread
   const std::size_t lanes = roundUp(count, kSphereLanes), terms = terms_.total();
   packed.resize(terms * lanes);
   linear.resize(linearTerms_ * lanes);
-  coefficients.resize(coefficientCount_);
   sums.resize(4 * lanes);
   total.assign(lanes, 0.0);
 
   for (std::size_t l = 0; l < lanes; ++l) {  // the lanes beyond `count` repeat the last chromosome
-    const double* chromosome = population + std::min(l, count - 1) * dimension_;
-    const double* c = chromosome;
-    if (mapping_) {
-      mapping_(chromosome, coefficients.data());
-      c = coefficients.data();
-    }
+    const double* c = population + std::min(l, count - 1) * dimension_;
     for (std::size_t t = 0; t < terms; ++t)
       packed[t * lanes + l] = static_cast<float>(c[termCoefficient_[t]]);
     for (std::size_t t = 0; t < linearTerms_; ++t) linear[t * lanes + l] = c[linearCoefficient_[t]];
@@ -291,6 +219,61 @@ void SphereFitness::evaluate(const double* population, std::size_t count, double
   for (std::size_t l = 0; l < count; ++l) costs[l] = total[l] / static_cast<double>(residualCount_);
 }
 
+/// Mean square of the residuals as a quadratic form of the coefficients, about the last newGeneration().
+Eigen::MatrixXd SphereFitness::informationOfCoefficients() const {
+  const auto n = static_cast<Eigen::Index>(dimension_);
+  const std::size_t terms = terms_.total();
+  const std::size_t ends[4] = {terms_.x, terms_.x + terms_.y, terms_.x + terms_.y + terms_.z, terms};
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(n, n);
+  for (const Group& group : groups_) {
+    const auto rows = static_cast<Eigen::Index>(group.count);
+    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(rows, n);
+    Eigen::MatrixXd normals(rows, 3);
+    for (Eigen::Index k = 0; k < rows; ++k) {
+      const std::size_t i = group.first + static_cast<std::size_t>(k);
+      const float* row = rows_.data() + (group.row + static_cast<std::size_t>(k)) * stride_;
+      double factor[4] = {row[kNormalX], row[kNormalY], row[kNormalZ], -rootWeight_[i]};
+      normals.row(k) << factor[0], factor[1], factor[2];
+      for (std::size_t part = 0, t = 0; part < 4; ++part)
+        for (; t < ends[part]; ++t)
+          jacobian(k, static_cast<Eigen::Index>(termCoefficient_[t])) +=
+              factor[part] * columns_[i * terms + t];
+    }
+    information += jacobian.transpose() * jacobian;
+    const Eigen::MatrixXd shift = normals.transpose() * jacobian;
+    information -= shift.transpose() * group.inverse * shift;  // zero where the centre does not follow
+  }
+  Eigen::VectorXd line = Eigen::VectorXd::Zero(n);
+  for (std::size_t i = 0; i < linearRows_; ++i) {
+    line.setZero();
+    for (std::size_t t = 0; t < linearTerms_; ++t)
+      line[static_cast<Eigen::Index>(linearCoefficient_[t])] += linear_[i * (linearTerms_ + 1) + t + 1];
+    information += line * line.transpose();
+  }
+  return information / static_cast<double>(residualCount_);
+}
+
+std::vector<double> SphereFitness::principalAxes(const GeneticRanges& ranges) const {
+  const auto n = static_cast<Eigen::Index>(dimension_);
+  Eigen::VectorXd half(n);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const auto g = static_cast<std::size_t>(j);
+    half[j] = 0.5 * (ranges.high[g] - ranges.low[g]);
+  }
+  const SymmetricEigen eigen(half.asDiagonal() * informationOfCoefficients() * half.asDiagonal());
+  const double strongest = eigen.values[n - 1];
+  if (!(strongest > 0.0)) return {};
+  constexpr double kNoEffect = 1e-18;  // of the strongest information: rounding, squared
+  std::vector<double> axes;
+  axes.reserve(dimension_ * dimension_);
+  for (Eigen::Index a = 0; a < n; ++a) {
+    // An axis without any effect is not longer than its range, like the others in the first stage.
+    const double length = std::sqrt(strongest / std::max(eigen.values[a], kNoEffect * strongest));
+    for (Eigen::Index j = 0; j < n; ++j) axes.push_back(length * half[j] * eigen.vectors(j, a));
+  }
+  return axes;
+}
+
 SphereFitness ballCentreFitness(const std::array<std::vector<double>, 3>& position,
                                 const std::vector<double>& distance, const Eigen::Vector3d& near) {
   SphereContacts contacts;
@@ -299,11 +282,8 @@ SphereFitness ballCentreFitness(const std::array<std::vector<double>, 3>& positi
   contacts.ball.assign(distance.size(), 0);
   for (std::size_t axis = 0; axis < 3; ++axis)
     contacts.displacement[axis] = {{axis, std::vector<double>(distance.size(), -1.0)}};
-  // The ball of the fitness stays at `near`; the genes move the contacts by what they differ from it.
-  const auto fromNear = [near](const double* centre, double* shift) {
-    for (int axis = 0; axis < 3; ++axis) shift[axis] = centre[axis] - near[axis];
-  };
-  return {contacts, {{near, false}}, {}, 3, CentreRule::kOfBest, fromNear, 3};
+  // The ball stays at `near`; the genes move the contacts by what they differ from it.
+  return {contacts, {{near, false}}, {}, 3, CentreRule::kOfBest};
 }
 
 }  // namespace mm

@@ -2,7 +2,6 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
-#include <functional>
 #include <vector>
 
 #include "estimation/genetic.h"
@@ -37,7 +36,6 @@ struct SphereBall {
 struct LinearRows {
   std::vector<double> offset;
   std::vector<SparseColumn> columns;
-  std::vector<double> weight;  // of the squared residual; empty: 1
 };
 
 /// How the centre of a free ball follows the chromosomes.
@@ -55,14 +53,9 @@ enum class CentreRule {
 /// divided by their number; m^2 with unit weights.
 class SphereFitness : public GeneticFitness {
  public:
-  /// Writes the coefficients c of a chromosome.
-  using Mapping = std::function<void(const double* chromosome, double* coefficients)>;
-
-  /// `coefficients`: length of c. Without a mapping the chromosome is c itself, else it has `dimension`
-  /// genes. Throws InputError when sizes do not agree or a value is not finite.
+  /// @param coefficients length of c, which is the chromosome. Sizes must agree, and values be finite.
   SphereFitness(const SphereContacts& contacts, std::vector<SphereBall> balls, const LinearRows& rows,
-                std::size_t coefficients, CentreRule rule = CentreRule::kFollow, Mapping mapping = {},
-                std::size_t dimension = 0);
+                std::size_t coefficients, CentreRule rule = CentreRule::kFollow);
 
   std::size_t dimension() const override { return dimension_; }
   void evaluate(const double* population, std::size_t count, double* costs) const override;
@@ -79,7 +72,6 @@ class SphereFitness : public GeneticFitness {
     std::size_t ball = 0;
     Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();  // of the normal equations of the centre
   };
-  void mapCoefficients(const double* chromosome, double* coefficients) const;
   Eigen::MatrixXd informationOfCoefficients() const;
   void copyContacts(const SphereContacts& contacts, const LinearRows& rows);
   void correct(const double* coefficients);
@@ -87,10 +79,9 @@ class SphereFitness : public GeneticFitness {
   void fillRows(Group& group);
   void finishGroup(const Group& group, std::size_t lanes, const double* sums, double* costs) const;
 
-  std::size_t coefficientCount_, dimension_, contactCount_ = 0, residualCount_ = 0, linearRows_ = 0;
+  std::size_t dimension_, contactCount_ = 0, residualCount_ = 0, linearRows_ = 0;
   std::size_t linearTerms_ = 0;
   CentreRule rule_;
-  Mapping mapping_;
   std::vector<SphereBall> balls_;
   std::vector<Group> groups_;
   SphereTerms terms_;
@@ -102,13 +93,10 @@ class SphereFitness : public GeneticFitness {
   std::vector<float> rows_;      // what the kernel reads
   std::size_t stride_ = 0;
   bool filled_ = false, anyFree_ = false;
-  std::vector<double> reference_;  // chromosome of the last newGeneration()
-  std::vector<double> scratch_;    // its coefficients
 };
 
-/// The fitness of MMT's centre GA (B2): the chromosome is the centre of one ball, m, from uncorrected
-/// contacts at `position` (x, y, z), which are `distance` (R + r) away from it. `near` is a point near it,
-/// for accuracy only.
+/// The fitness of MMT's centre GA (B2) from uncorrected contacts at `position` (x, y, z), which are
+/// `distance` (R + r) away from the centre of one ball: the chromosome is how far that is from `near`, m.
 SphereFitness ballCentreFitness(const std::array<std::vector<double>, 3>& position,
                                 const std::vector<double>& distance, const Eigen::Vector3d& near);
 

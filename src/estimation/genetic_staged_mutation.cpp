@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "base/error.h"
 #include "estimation/genetic_run.h"
@@ -45,6 +44,12 @@ Axes axesOf(const GeneticFitness& fitness, const GeneticRanges& ranges, Mutation
   return axes;
 }
 
+double fractionOf(const std::vector<MutationStage>& stages, std::size_t generation) {
+  for (const MutationStage& stage : stages)
+    if (generation <= stage.lastGeneration) return stage.fraction;
+  return stages.back().fraction;
+}
+
 }  // namespace
 
 void StagedMutationSettings::validate() const {
@@ -66,40 +71,31 @@ void StagedMutationSettings::validate() const {
   }
 }
 
-StagedMutation::StagedMutation(StagedMutationSettings settings) : settings_(std::move(settings)) {
-  settings_.validate();
-}
-
-double StagedMutation::fractionOf(std::size_t generation) const {
-  for (const MutationStage& stage : settings_.stages)
-    if (generation <= stage.lastGeneration) return stage.fraction;
-  return settings_.stages.back().fraction;
-}
-
-GeneticResult StagedMutation::run(GeneticFitness& fitness, const GeneticRanges& ranges,
-                                  const GeneticControl& control) const {
-  GeneticRun run(kStagedMutation, fitness, ranges, settings_, control);
+GeneticResult runStagedMutation(GeneticFitness& fitness, const GeneticRanges& ranges,
+                                const StagedMutationSettings& settings, const GeneticControl& control) {
+  settings.validate();
+  GeneticRun run(kStagedMutation, fitness, ranges, settings, control);
   const std::size_t n = run.dimension();
-  const Axes axes = axesOf(fitness, ranges, settings_.axes);
+  const Axes axes = axesOf(fitness, ranges, settings.axes);
   const std::size_t axisCount = axes.most.size();
   const auto shareOf = [&](double share) {
     return std::max<std::size_t>(1, static_cast<std::size_t>(share * static_cast<double>(run.population())));
   };
-  const std::size_t fathers = shareOf(settings_.fatherShare);
-  const std::size_t survivors = shareOf(settings_.survivorShare);
+  const std::size_t fathers = shareOf(settings.fatherShare);
+  const std::size_t survivors = shareOf(settings.survivorShare);
 
   run.fillFirst();
   while (run.closeGeneration()) {
-    const double fraction = fractionOf(run.generation());
+    const double fraction = fractionOf(settings.stages, run.generation());
     for (std::size_t i = 0; i < run.population(); ++i) {
       double* child = run.chromosome(i);
       std::copy_n(run.ranked(i < survivors ? i : (i - survivors) % fathers), n, child);
       if (i < survivors) continue;
       GeneticRandom random = run.random(i);
-      const double step = fraction * std::pow(settings_.reach, random.unit());
+      const double step = fraction * std::pow(settings.reach, random.unit());
       const std::size_t certain = random.below(axisCount);
       for (std::size_t a = 0; a < axisCount; ++a) {
-        if (a != certain && settings_.geneShare < 1.0 && random.unit() >= settings_.geneShare) continue;
+        if (a != certain && settings.geneShare < 1.0 && random.unit() >= settings.geneShare) continue;
         const double amount = std::min(step, axes.most[a]) * random.symmetric();
         const double* axis = axes.rows.data() + a * n;
         if (axes.genes)

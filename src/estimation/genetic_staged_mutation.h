@@ -47,18 +47,9 @@ struct StagedMutationSettings : GeneticSettings {
 
 /// The genetic algorithm of MMT: random population; the best 20 % are the fathers of the next generation,
 /// whose children are mutated fathers; the range of the mutation shrinks in stages.
-class StagedMutation : public GeneticAlgorithm {
- public:
-  /// Throws InputError when the settings are invalid.
-  explicit StagedMutation(StagedMutationSettings settings = {});
-  std::string name() const override { return "staged_mutation"; }
-  GeneticResult run(GeneticFitness& fitness, const GeneticRanges& ranges,
-                    const GeneticControl& control = {}) const override;
-
- private:
-  double fractionOf(std::size_t generation) const;
-
-  StagedMutationSettings settings_;
-};
+/// @throw InputError, NumericalError as runNiching.
+GeneticResult runStagedMutation(GeneticFitness& fitness, const GeneticRanges& ranges,
+                                const StagedMutationSettings& settings = {},
+                                const GeneticControl& control = {});
 
 }  // namespace mm

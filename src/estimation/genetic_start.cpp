@@ -65,15 +65,13 @@ GeneticResult search(GeneticFitness& fitness, const GeneticRanges& ranges, const
       options.progress("genetic",
                        static_cast<double>(p.generation) / std::max<std::size_t>(1, p.generations));
   };
-  const auto run = [&](auto settings, auto make) {
+  const auto run = [&](auto settings, auto algorithm) {
     settings.seed = options.seed;
     settings.threads = threads;
-    settings.start.clear();
-    return make(settings).run(fitness, ranges, control);
+    return algorithm(fitness, ranges, settings, control);
   };
-  return options.method == Method::kNiching
-             ? run(options.niching, [](auto s) { return Niching(s); })
-             : run(options.stagedMutation, [](auto s) { return StagedMutation(s); });
+  return options.method == Method::kNiching ? run(options.niching, runNiching)
+                                            : run(options.stagedMutation, runStagedMutation);
 }
 
 }  // namespace
@@ -111,18 +109,17 @@ GeneticSummary geneticStart(const Problem& problem, Eigen::VectorXd& x, const st
     found = search(*fitness, rangesOf(problem, x, genes), options, linear ? options.threads : 1);
   } catch (const NumericalError&) {
     if (!options.cancelled || !options.cancelled()) throw;
-    summary.stop = nameOf(GeneticStop::kCancelled);  // before the first generation: the start is the best
+    summary.stop = "cancelled";  // before the first generation: the start is the best
     return summary;
   }
   for (std::size_t g = 0; g < genes.size(); ++g) x[genes[g]] = found.best[g];
   if (nonlinear != nullptr) nonlinear->solve(x);
-  summary.rms = found.rms() * length;
-  summary.curve = found.rmsCurve();
-  for (double& rms : summary.curve) rms *= length;
+  summary.rms = std::sqrt(found.cost) * length;
+  for (const double cost : found.curve) summary.curve.push_back(std::sqrt(cost) * length);
   summary.generations = found.generations;
   summary.evaluations = found.evaluations;
   summary.seconds = found.seconds;
-  summary.stop = nameOf(found.stop);
+  summary.stop = found.cancelled ? "cancelled" : "generations";
   return summary;
 }
 

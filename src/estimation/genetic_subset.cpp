@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <utility>
 
 #include "base/error.h"
@@ -15,16 +14,8 @@ namespace {
 
 using Subset = std::vector<std::size_t>;
 constexpr const char* kSubset = "subset";
-
-/// Number of subsets, or `most` + 1 when there are more.
-std::size_t countSubsets(std::size_t items, std::size_t choose, std::size_t most) {
-  double count = 1.0;
-  for (std::size_t i = 0; i < std::min(choose, items - choose); ++i) {
-    count = count * static_cast<double>(items - i) / static_cast<double>(i + 1);
-    if (count > static_cast<double>(most)) return most + 1;
-  }
-  return static_cast<std::size_t>(std::lround(count));
-}
+constexpr double kParentShare = 0.3;   // the best of a generation breed the next; the best one lives on
+constexpr std::size_t kPatience = 25;  // generations without a better subset
 
 /// Scores subsets, each once, and keeps the best.
 class Scorer {
@@ -52,25 +43,6 @@ class Scorer {
   SubsetResult& result_;
   std::map<Subset, double> known_;
 };
-
-void enumerate(std::size_t items, std::size_t choose, Scorer& score, const GeneticControl& control,
-               SubsetResult& result) {
-  Subset subset(choose);
-  std::iota(subset.begin(), subset.end(), std::size_t{0});
-  while (true) {
-    score(subset);
-    if (control.cancelled && control.cancelled()) {
-      result.cancelled = true;
-      return;
-    }
-    std::size_t place = choose;
-    while (place > 0 && subset[place - 1] == items - choose + place - 1) --place;
-    if (place == 0) break;
-    ++subset[place - 1];
-    for (std::size_t i = place; i < choose; ++i) subset[i] = subset[i - 1] + 1;
-  }
-  result.exact = true;
-}
 
 /// Fills `subset` up to `choose` with items drawn at random from those that it does not hold.
 void complete(Subset& subset, std::size_t items, std::size_t choose, GeneticRandom& random) {
@@ -110,31 +82,41 @@ void rank(Ranked& ranked, Scorer& score) {
   });
 }
 
-void evolve(std::size_t items, std::size_t choose, Scorer& score, const SubsetSettings& settings,
-            const GeneticControl& control, SubsetResult& result) {
+}  // namespace
+
+void SubsetSettings::validate() const {
+  checkSetting(kSubset, "population", static_cast<double>(population), 2, 1e6);
+  checkSetting(kSubset, "generations", static_cast<double>(generations), 0, 1e7);
+  checkSetting(kSubset, "mutation", mutation, 0.0, 1.0);
+}
+
+SubsetResult bestSubset(std::size_t items, std::size_t choose, const SubsetScore& score,
+                        const SubsetSettings& settings, const GeneticControl& control) {
+  settings.validate();
+  checkSetting(kSubset, "number of items to choose", static_cast<double>(choose), 1,
+               static_cast<double>(items));
+  SubsetResult result;
+  Scorer scorer(score, result);
   Ranked ranked(settings.population), next(settings.population);
   for (std::size_t i = 0; i < ranked.size(); ++i) {
     GeneticRandom random(settings.seed, 0, i);
     complete(ranked[i].second, items, choose, random);
     std::sort(ranked[i].second.begin(), ranked[i].second.end());
   }
-  const auto parents = std::max<std::size_t>(
-      2, static_cast<std::size_t>(settings.parentShare * static_cast<double>(ranked.size())));
+  const auto parents =
+      std::max<std::size_t>(2, static_cast<std::size_t>(kParentShare * static_cast<double>(ranked.size())));
   std::size_t last = 0;  // generation of the last improvement
   for (std::size_t generation = 0;; ++generation) {
     const double before = result.score;
-    rank(ranked, score);
+    rank(ranked, scorer);
     if (result.score > before) last = generation;
     result.curve.push_back(result.score);
     result.generations = generation;
-    if (control.progress)
-      control.progress({generation, settings.generations, result.evaluations, -result.score, nullptr});
-    if (generation >= settings.generations) return;
-    if (settings.patience > 0 && generation - last >= settings.patience) return;
-    if (control.cancelled && control.cancelled()) {
-      result.cancelled = true;
-      return;
-    }
+    if (control.progress) control.progress({generation, settings.generations, -result.score});
+    if (generation >= settings.generations) break;
+    if (generation - last >= kPatience) break;
+    result.cancelled = control.cancelled && control.cancelled();
+    if (result.cancelled) break;
     next[0] = ranked[0];
     for (std::size_t i = 1; i < next.size(); ++i) {
       GeneticRandom random(settings.seed, generation + 1, i);
@@ -144,30 +126,6 @@ void evolve(std::size_t items, std::size_t choose, Scorer& score, const SubsetSe
     }
     std::swap(ranked, next);
   }
-}
-
-}  // namespace
-
-void SubsetSettings::validate() const {
-  checkSetting(kSubset, "population", static_cast<double>(population), 2, 1e6);
-  checkSetting(kSubset, "generations", static_cast<double>(generations), 0, 1e7);
-  checkSetting(kSubset, "parent_share", parentShare, 1e-6, 1.0);
-  checkSetting(kSubset, "mutation", mutation, 0.0, 1.0);
-  checkSetting(kSubset, "enumerate_up_to", static_cast<double>(enumerateUpTo), 0, 1e9);
-}
-
-SubsetResult bestSubset(std::size_t items, std::size_t choose, const SubsetScore& score,
-                        const SubsetSettings& settings, const GeneticControl& control) {
-  settings.validate();
-  checkSetting(kSubset, "number of items to choose", static_cast<double>(choose), 1,
-               static_cast<double>(items));
-  SubsetResult result;
-  result.seed = settings.seed;
-  Scorer scorer(score, result);
-  if (countSubsets(items, choose, settings.enumerateUpTo) <= settings.enumerateUpTo)
-    enumerate(items, choose, scorer, control, result);
-  else
-    evolve(items, choose, scorer, settings, control, result);
   if (result.items.empty()) throw NumericalError("subset: no choice of items has a finite score");
   return result;
 }

@@ -13,11 +13,7 @@ struct SubsetSettings {
   std::size_t population = 60;   // subsets, at least 2
   std::size_t generations = 80;  // 0: only the random population is scored
   std::uint64_t seed = 1;
-  double parentShare = 0.3;   // the best share of a generation breeds the next; the best one lives on
-  double mutation = 0.15;     // probability that an item of a child is exchanged for another
-  std::size_t patience = 25;  // stops after so many generations without a better subset; 0: never
-  /// Up to this many subsets they are all scored instead, and the answer is exact.
-  std::size_t enumerateUpTo = 2000;
+  double mutation = 0.15;  // probability that an item of a child is exchanged for another
 
   /// Throws InputError naming the setting, its value and the bound.
   void validate() const;
@@ -29,9 +25,7 @@ struct SubsetResult {
   std::vector<double> curve;    // best score of each generation
   std::size_t evaluations = 0;  // subsets scored; each at most once
   std::size_t generations = 0;
-  bool exact = false;      // all subsets were scored
   bool cancelled = false;  // the best so far
-  std::uint64_t seed = 0;
 };
 
 /// The score of `chosen` items (ascending); larger is better. One that is not finite ranks last.

@@ -15,9 +15,11 @@ inline void scatterGenes(const double* genes, double* constants) {
 inline mm::SphereFitness mmtFitness(const MmtContacts& data, double size, mm::CentreRule rule,
                                     mm::GeneticRanges& ranges) {
   mm::SphereContacts contacts;
+  std::vector<std::size_t> constants;  // of each gene
   for (std::size_t k = 0; k < MmtContacts::kConstants; ++k) {
     if (MmtContacts::fixed(k)) continue;
-    contacts.displacement[k / 7].push_back({k, {}});
+    contacts.displacement[k / 7].push_back({constants.size(), {}});
+    constants.push_back(k);
     ranges.low.push_back(-MmtContacts::half(k, size));
     ranges.high.push_back(MmtContacts::half(k, size));
   }
@@ -26,14 +28,14 @@ inline mm::SphereFitness mmtFitness(const MmtContacts& data, double size, mm::Ce
       contacts.position[axis].push_back(reading[static_cast<Eigen::Index>(axis)]);
       const auto factors = MmtContacts::factors(static_cast<int>(axis), reading);
       for (mm::SparseColumn& column : contacts.displacement[axis])
-        column.values.push_back(factors[column.coefficient % 7]);
+        column.values.push_back(factors[constants[column.coefficient] % 7]);
     }
     contacts.distance.push_back(MmtContacts::kDistance);
   }
   contacts.ball = data.ball;
   std::vector<mm::SphereBall> balls;
   for (const Eigen::Vector3d& centre : data.nominalCentres) balls.push_back({centre, true});
-  return {contacts, balls, {}, MmtContacts::kConstants, rule, scatterGenes, ranges.dimension()};
+  return {contacts, balls, {}, constants.size(), rule};
 }
 
 }  // namespace mm_test

@@ -35,7 +35,7 @@ int timesFound(bool eliminate) {
     settings.seed = seed;
     settings.eliminate = eliminate;
     TwoBowls fitness;
-    if (Niching(settings).run(fitness, ranges).cost < 0.15) ++found;
+    if (runNiching(fitness, ranges, settings).cost < 0.15) ++found;
   }
   return found;
 }
@@ -54,17 +54,10 @@ TEST(Niching, genesAreMultiplesOfThePrecision) {
   settings.generations = 20;
   TwoBowls fitness;
   const GeneticRanges ranges{std::vector<double>(4, -1.0), std::vector<double>(4, 1.0)};
-  for (double gene : Niching(settings).run(fitness, ranges).best) {
+  for (double gene : runNiching(fitness, ranges, settings).best) {
     const double steps = (gene + 1.0) * 32.0;
     EXPECT_EQ(steps, std::round(steps));
   }
-}
-
-TEST(Niching, namesTheTwoAlgorithms) {
-  NichingSettings settings;
-  EXPECT_EQ(Niching(settings).name(), "niching");
-  settings.eliminate = false;
-  EXPECT_EQ(Niching(settings).name(), "traditional");
 }
 
 }  // namespace
