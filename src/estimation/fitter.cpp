@@ -69,13 +69,12 @@ Fit fitFrom(const FitTask& task, Eigen::VectorXd start, Noise noise) {
 
 Fit refined(const FitTask& task, Fit fit) {
   const CalibrateOptions& options = task.options;
-  RefineOptions refining;
-  refining.progress = [&](int iteration, double) {
+  const RefineProgress progress = [&](int iteration, double) {
     if (options.progress) options.progress("refine", 1.0 - 1.0 / (1.0 + iteration));
     return !(options.cancelled && options.cancelled());
   };
   fit.sigma = sigmaOf(task, fit.noise);
-  RefineResult r = refine(task.problem, fit.x, task.fixed, fit.sigma, fit.weight, refining);
+  RefineResult r = refine(task.problem, fit.x, task.fixed, fit.sigma, fit.weight, progress);
   fit.x = std::move(r.x);
   fit.iterations += r.iterations;
   fit.converged = r.converged;

@@ -12,18 +12,16 @@
 namespace mm {
 namespace {
 
-using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
 class Watcher final : public ceres::IterationCallback {
  public:
-  explicit Watcher(const RefineOptions& options) : options_(options) {}
+  explicit Watcher(const RefineProgress& progress) : progress_(progress) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& s) override {
-    return options_.progress && !options_.progress(s.iteration, s.cost) ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
-                                                                        : ceres::SOLVER_CONTINUE;
+    return progress_ && !progress_(s.iteration, s.cost) ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
+                                                        : ceres::SOLVER_CONTINUE;
   }
 
  private:
-  const RefineOptions& options_;
+  const RefineProgress& progress_;
 };
 
 bool nearlyLinear(const Problem& problem) {
@@ -102,7 +100,7 @@ class BlockFit {
   /// linear, else the last digits.
   /// @return true when what a further step promises is nothing beside the residual (Bates and Watts: the
   /// relative offset), or when no step shortens it any more; false also where the progress asked to stop.
-  bool gaussNewton(const RefineOptions& options, RefineResult& result) {
+  bool gaussNewton(const RefineProgress& progress, RefineResult& result) {
     constexpr int kSteps = 100, kHalvings = 12;
     // of the residual's length: below the first nothing is left to gain, above the second a step that
     // shortens nothing means that the linear model does not hold there
@@ -129,7 +127,7 @@ class BlockFit {
         return !(offset > kFlat);
       }
       ++result.iterations;
-      if (options.progress && !options.progress(result.iterations, 0.5 * now.cost)) {
+      if (progress && !progress(result.iterations, 0.5 * now.cost)) {
         result.cancelled = true;
         return false;
       }
@@ -137,9 +135,9 @@ class BlockFit {
     return false;
   }
 
-  ceres::Solver::Summary solve(const RefineOptions& options) {
-    ceres::Solver::Options solver = solverOptions(options);
-    Watcher watcher(options);
+  ceres::Solver::Summary solve(const RefineProgress& progress) {
+    ceres::Solver::Options solver = solverOptions();
+    Watcher watcher(progress);
     solver.callbacks.push_back(&watcher);
     ceres::Solver::Summary summary;
     ceres::Solve(solver, &ceres_, &summary);
@@ -218,8 +216,10 @@ class BlockFit {
       if (fixed_[u]) continue;
       const auto [block, index] = placeOf_[u];
       const Unknown& unknown = problem_.unknowns()[u];
-      add(new PriorCost(index, static_cast<int>(block->unknowns.size()), unknown.scale / unknown.priorStd),
-          {block});
+      const auto width = static_cast<Eigen::Index>(block->unknowns.size());
+      RowMatrix factors = RowMatrix::Zero(1, width);
+      factors(0, index) = unknown.scale / unknown.priorStd;
+      add(new ceres::NormalPrior(factors, Eigen::VectorXd::Zero(width)), {block});
     }
   }
 
@@ -258,7 +258,7 @@ class BlockFit {
     Eigen::Index at = 0;
     for (const Cost& c : costs) {
       const int n = c.function->num_residuals();
-      std::vector<RowMajor> jacobians;
+      std::vector<RowMatrix> jacobians;
       std::vector<double*> values, into;
       for (const Block* b : c.blocks) {
         jacobians.emplace_back(n, static_cast<Eigen::Index>(b->unknowns.size()));
@@ -324,12 +324,13 @@ class BlockFit {
     return withinLimits(problem_, now);
   }
 
-  ceres::Solver::Options solverOptions(const RefineOptions& options) {
+  ceres::Solver::Options solverOptions() {
     // rounding is what ends the iterations: what is left is for Gauss-Newton
+    constexpr int kMostIterations = 500;
     constexpr double kFunction = 1e-15, kParameter = 1e-13, kGradient = 1e-16;
     ceres::Solver::Options solver;
     solver.num_threads = 1;
-    solver.max_num_iterations = options.maxIterations;
+    solver.max_num_iterations = kMostIterations;
     solver.function_tolerance = kFunction;
     solver.parameter_tolerance = kParameter;
     solver.gradient_tolerance = kGradient;
@@ -363,7 +364,7 @@ class BlockFit {
 
 RefineResult refine(const Problem& problem, const Eigen::VectorXd& start, const std::vector<char>& fixed,
                     const Eigen::VectorXd& sigma, const Eigen::VectorXd& weight,
-                    const RefineOptions& options) {
+                    const RefineProgress& progress) {
   RefineResult result;
   result.x = start;
   const Eigen::VectorXd inverseSigma = weight.cwiseSqrt().cwiseQuotient(sigma);
@@ -373,10 +374,10 @@ RefineResult refine(const Problem& problem, const Eigen::VectorXd& start, const 
     result.stop = "nothing to estimate";
     return result;
   }
-  result.converged = nearlyLinear(problem) && fit.gaussNewton(options, result);
+  result.converged = nearlyLinear(problem) && fit.gaussNewton(progress, result);
   result.stop = result.cancelled ? "cancelled" : "converged";
   if (!result.converged && !result.cancelled) {
-    const ceres::Solver::Summary summary = fit.solve(options);
+    const ceres::Solver::Summary summary = fit.solve(progress);
     result.iterations += static_cast<int>(summary.iterations.size()) - 1;
     result.cancelled = summary.termination_type == ceres::USER_SUCCESS;
     result.converged = summary.termination_type == ceres::CONVERGENCE;
@@ -385,7 +386,7 @@ RefineResult refine(const Problem& problem, const Eigen::VectorXd& start, const 
                   : summary.termination_type == ceres::NO_CONVERGENCE ? "iterations"
                                                                       : "the residual cannot be evaluated";
     if (!result.cancelled && summary.termination_type != ceres::FAILURE) {
-      result.converged |= fit.gaussNewton(options, result);
+      result.converged |= fit.gaussNewton(progress, result);
       result.converged &= !result.cancelled;
       result.stop = result.cancelled ? "cancelled" : result.converged ? "converged" : result.stop;
     }

@@ -8,11 +8,8 @@
 
 namespace mm {
 
-struct RefineOptions {
-  int maxIterations = 500;
-  /// Called after each iteration with its number and the cost; return false to stop with the best so far.
-  std::function<bool(int iteration, double cost)> progress;
-};
+/// Called after each iteration with its number and the cost; returns false to stop with the best so far.
+using RefineProgress = std::function<bool(int iteration, double cost)>;
 
 struct RefineResult {
   Eigen::VectorXd x;
@@ -28,6 +25,6 @@ struct RefineResult {
 /// @param sigma standard deviation a data row (m, rad). @param weight a data row: 1, or 0 to leave it out.
 RefineResult refine(const Problem& problem, const Eigen::VectorXd& x, const std::vector<char>& fixed,
                     const Eigen::VectorXd& sigma, const Eigen::VectorXd& weight,
-                    const RefineOptions& options);
+                    const RefineProgress& progress = {});
 
 }  // namespace mm

@@ -1,5 +1,6 @@
 #pragma once
 #include <ceres/ceres.h>
+#include <ceres/normal_prior.h>
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -83,25 +84,6 @@ class GroupCost final : public ceres::CostFunction {
   const Eigen::VectorXd& inverseSigma_;
   std::vector<int> observations_;
   std::vector<const Block*> blocks_;
-};
-
-/// A prior on one unknown: its value over its standard deviation.
-class PriorCost final : public ceres::CostFunction {
- public:
-  PriorCost(int index, int width, double factor) : index_(index), width_(width), factor_(factor) {
-    set_num_residuals(1);
-    mutable_parameter_block_sizes()->push_back(width);
-  }
-  bool Evaluate(double const* const* values, double* residuals, double** jacobians) const override {
-    residuals[0] = factor_ * values[0][index_];
-    if (jacobians != nullptr && jacobians[0] != nullptr)
-      for (int i = 0; i < width_; ++i) jacobians[0][i] = i == index_ ? factor_ : 0.0;
-    return true;
-  }
-
- private:
-  int index_, width_;
-  double factor_;
 };
 
 /// The norm of a unit vector, LASER (11).

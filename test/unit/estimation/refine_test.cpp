@@ -13,8 +13,8 @@ constexpr double kNoise = 0.5e-6;  // m
 /// The contacts of MMT: 70 balls of unknown centre, made by the plain formula of the paper.
 class Refine : public testing::Test {
  protected:
-  RefineResult refined(const Eigen::VectorXd& weight, const RefineOptions& options = {}) const {
-    return refine(problem, start, fixed, sigma, weight, options);
+  RefineResult refined(const Eigen::VectorXd& weight, const RefineProgress& progress = {}) const {
+    return refine(problem, start, fixed, sigma, weight, progress);
   }
 
   const mm_test::MmtContacts data{17, 40e-6, kNoise};
@@ -55,9 +55,7 @@ TEST_F(Refine, AFeatureWithTooFewRowsTellsNothingAndDisturbsNothing) {
 }
 
 TEST_F(Refine, StopsWhereItIsAsked) {
-  RefineOptions options;
-  options.progress = [](int iteration, double) { return iteration < 1; };
-  const RefineResult stopped = refined(all, options);
+  const RefineResult stopped = refined(all, [](int iteration, double) { return iteration < 1; });
   EXPECT_TRUE(stopped.cancelled);
   EXPECT_FALSE(stopped.converged);
   EXPECT_EQ(stopped.stop, "cancelled");
