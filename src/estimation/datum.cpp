@@ -2,10 +2,10 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <boost/math/distributions/fisher_f.hpp>
+#include <cmath>
 
+#include "estimation/residual_space.h"
 #include "estimation/thin_qr.h"
-#include "estimation/whitened.h"
 
 namespace mm {
 namespace {
@@ -23,34 +23,25 @@ bool lawMayStateDatum(const Session& session, const Model& model) {
 
 bool contradictsDatum(const CalibrationResult& fitted) {
   constexpr double kChance = 1e-4;
-  const Problem& problem = *fitted.problem;
-  const Eigen::VectorXd inverseSigma = fitted.weight.cwiseSqrt().cwiseQuotient(fitted.sigma);
-  const WhitenedSystem system(problem, fitted.x, inverseSigma, fitted.identifiability.fixed);
-  Eigen::MatrixXd zeros =
-      Eigen::MatrixXd::Zero(system.jacobian.rows(), problem.model().machine().jointCount());
+  const ResidualSpace space(fitted);
+  const Problem& problem = space.problem();
+  Eigen::MatrixXd zeros = Eigen::MatrixXd::Zero(problem.rowCount(), problem.model().machine().jointCount());
   for (int i = 0; i < problem.rowCount(); ++i) {
     const ResidualRow& row = problem.rows()[static_cast<std::size_t>(i)];
     if (withoutSetup(problem.session().observations[static_cast<std::size_t>(row.observation)]))
-      zeros(i, row.component) = inverseSigma[i];
+      zeros(i, row.component) = 1.0;
   }
-  const Eigen::Index unknowns = system.jacobian.cols();
-  if (system.jacobian.rows() <= unknowns) return false;
-  const Eigen::MatrixXd basis = orthonormalBasis(system.jacobian);
-  Eigen::MatrixXd both(zeros.rows(), basis.cols() + zeros.cols());
-  both << basis, zeros;
+  Eigen::MatrixXd both(space.length(), space.baseRank() + zeros.cols());
+  both << space.basis(), space.whiten(zeros);
   both = orthonormalBasis(std::move(both));
-  const double taken = static_cast<double>(both.cols() - basis.cols());
-  const double used = static_cast<double>((fitted.weight.array() > 0.0).count() + system.jacobian.rows() -
-                                          problem.rowCount());
-  const double freedoms = used - static_cast<double>(both.cols());
+  const auto taken = static_cast<double>(both.cols() - space.baseRank()),
+             freedoms = static_cast<double>(space.length() - both.cols());
   if (taken < 1.0 || freedoms < 1.0) return false;
-  const Eigen::VectorXd& r = system.residuals;
-  const double without = (r - basis * (basis.transpose() * r)).squaredNorm();
-  const double with = (r - both * (both.transpose() * r)).squaredNorm();
+  const Eigen::VectorXd& r = space.target();
+  const double without = r.squaredNorm(), with = (r - both * (both.transpose() * r)).squaredNorm();
   if (!(with < without)) return false;
-  if (!(with > 0.0)) return true;
-  const boost::math::fisher_f f(taken, freedoms);
-  return boost::math::cdf(boost::math::complement(f, (without - with) / taken * freedoms / with)) < kChance;
+  return !(with > 0.0) ||
+         logPValueF((without - with) / taken * freedoms / with, taken, freedoms) < std::log(kChance);
 }
 
 }  // namespace mm

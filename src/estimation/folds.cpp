@@ -91,21 +91,16 @@ Eigen::VectorXd heldOutResiduals(const Eigen::MatrixXd& q, const Eigen::VectorXd
       if (std::any_of(rows.begin(), rows.end(), [&](int i) { return q(i, k) != 0.0; })) columns.push_back(k);
     const int touched = static_cast<int>(columns.size());
     if (touched == 0) continue;
-    Eigen::MatrixXd qf(rows.size(), touched);
-    Eigen::VectorXd rf(rows.size());
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      for (int k = 0; k < touched; ++k) qf(static_cast<int>(i), k) = q(rows[i], columns[k]);
-      rf[static_cast<int>(i)] = residuals[rows[i]];
-    }
+    const Eigen::MatrixXd qf = q(rows, columns);
+    const Eigen::VectorXd rf = residuals(rows);
     const SymmetricEigen eigen(qf.transpose() * qf);
     Eigen::VectorXd gain(touched);
     for (int k = 0; k < touched; ++k) {
       const double share = eigen.values[k];  // of the information on this direction that the fold alone holds
       gain[k] = share > 1.0 - kOwn ? 0.0 : 1.0 / (1.0 - share);
     }
-    const Eigen::VectorXd held =
+    out(rows) =
         rf + qf * (eigen.vectors * gain.cwiseProduct(eigen.vectors.transpose() * (qf.transpose() * rf)));
-    for (std::size_t i = 0; i < rows.size(); ++i) out[rows[i]] = held[static_cast<int>(i)];
   }
   return out;
 }
@@ -121,10 +116,7 @@ Eigen::MatrixXd determinedWithin(const RowMatrix& base, const std::vector<char>&
   }
   const SymmetricEigen shares(rowProducts(others));
   const long undetermined = (shares.values.array() < kDetermined).count();
-  Eigen::MatrixXd own(judged.size(), undetermined);
-  for (std::size_t i = 0; i < judged.size(); ++i)
-    own.row(static_cast<long>(i)) = base.row(judged[i]) * shares.vectors.leftCols(undetermined);
-  return orthonormalBasis(std::move(own));
+  return orthonormalBasis(base(judged, Eigen::all) * shares.vectors.leftCols(undetermined));
 }
 
 }  // namespace mm

@@ -201,24 +201,16 @@ Identifiability identify(const Problem& problem, const Eigen::VectorXd& x,
   // columns in units of the bounds: a singular value below one is a standard deviation above the bound
   Eigen::MatrixXd scaled = system.jacobian * bound.cwiseQuotient(system.scale).asDiagonal();
   if (!held.empty()) holdColumns(scaled, held);
-  Eigen::MatrixXd r;
-  if (scaled.rows() > count) {
-    r = thinQr(scaled, localBlocks(problem, scaled, system.free), false).rInOrder();
-  } else {
-    r = scaled;
-  }
-  const RightSingular svd(r);
+  const RightSingular svd(scaled.rows() > count
+                              ? thinQr(scaled, localBlocks(problem, scaled, system.free), false).rInOrder()
+                              : scaled);
   std::vector<int> lostColumns;
   for (int i = 0; i < count; ++i) {
     const double s = i < svd.values.size() ? svd.values[i] : 0.0;
     if (!(s >= 1.0)) lostColumns.push_back(i);
   }
-  Eigen::MatrixXd null(count, lostColumns.size());
-  for (std::size_t k = 0; k < lostColumns.size(); ++k)
-    null.col(static_cast<int>(k)) = svd.vectors.col(lostColumns[k]);
-
   const std::vector<int> order = orderOfHolding(problem);
-  Eigen::MatrixXd rest = null;
+  Eigen::MatrixXd rest = svd.vectors(Eigen::all, lostColumns);
   for (int u : order) {
     if (rest.cols() == 0) break;
     const Eigen::RowVectorXd row = rest.row(u);
@@ -235,10 +227,8 @@ Identifiability identify(const Problem& problem, const Eigen::VectorXd& x,
     result.lost.push_back(lost);
     // remove u from the null space: what remains has no component along u
     const Eigen::VectorXd unit = row.transpose() / share;
-    Eigen::MatrixXd next(count, rest.cols() - 1);
     const Eigen::MatrixXd basis = Eigen::HouseholderQR<Eigen::MatrixXd>(unit).householderQ();
-    next = rest * basis.rightCols(rest.cols() - 1);
-    rest = next;
+    rest = (rest * basis.rightCols(rest.cols() - 1)).eval();
   }
   markNoInfluence(problem, scaled, inverseSigma, result);
   int fixedParameters = 0;

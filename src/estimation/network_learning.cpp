@@ -3,10 +3,11 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 
 #include "base/error.h"
+#include "base/format.h"
+#include "base/range.h"
 #include "base/units.h"
 #include "estimation/network_samples.h"
 #include "thermal/network_choice.h"
@@ -27,14 +28,11 @@ std::string figuresOf(const NetworkChoice& choice, JointKind joint) {
   const bool linear = joint == JointKind::kLinear;
   const double unit = linear ? kMicrometre : kArcsecond;
   const NetworkTrial& chosen = choice.chosen();
-  char text[80];
-  std::snprintf(text, sizeof text, "held out %.3g %s", chosen.heldOutRms / unit, linear ? "um" : "arcsec");
-  std::string words = text;
+  std::string words = format("held out %.3g %s", chosen.heldOutRms / unit, linear ? "um" : "arcsec");
   for (auto trial = choice.trials.rbegin(); trial != choice.trials.rend(); ++trial) {
     if (trial->name == chosen.name) continue;
-    std::snprintf(text, sizeof text, "%s %s %.3g", words.find(';') == std::string::npos ? ";" : ",",
-                  trial->name == "ridge" ? "ridge-linear" : trial->name.c_str(), trial->heldOutRms / unit);
-    words += text;
+    words += format("%s %s %.3g", words.find(';') == std::string::npos ? ";" : ",",
+                    trial->name == "ridge" ? "ridge-linear" : trial->name.c_str(), trial->heldOutRms / unit);
   }
   return words;
 }
@@ -101,12 +99,9 @@ class Learner {
 
  private:
   bool varies(int sensor) const {
-    double low = INFINITY, high = -INFINITY;
-    for (Eigen::Index k = 0; k < samples_.temperatures.rows(); ++k) {
-      low = std::fmin(low, samples_.temperatures(k, sensor));
-      high = std::fmax(high, samples_.temperatures(k, sensor));
-    }
-    return high > low;
+    Range range;
+    for (const double t : samples_.temperatures.col(sensor)) range.add(t);
+    return range.size() > 0.0;
   }
 
   void chooseSensors() {
@@ -128,9 +123,7 @@ class Learner {
       throw InputError("effect " + spec_.yaml() +
                        ": no temperature of the session varies and is known throughout; log the temperatures "
                        "of the parts that warm up, or list the sensors");
-    Eigen::MatrixXd x(samples_.temperatures.rows(), static_cast<Eigen::Index>(candidates.size()));
-    for (std::size_t i = 0; i < candidates.size(); ++i)
-      x.col(static_cast<Eigen::Index>(i)) = samples_.temperatures.col(candidates[i]);
+    const Eigen::MatrixXd x = samples_.temperatures(Eigen::all, candidates);
     std::vector<int> chosen;
     grey_ = spec_.text("sensors") == "grey_grade" || x.rows() < kSamplesForSets;
     if (grey_) {
@@ -166,10 +159,7 @@ class Learner {
       throw InputError("effect " + spec_.yaml() + ": its temperatures are known in " +
                        std::to_string(rows.size()) + " sets of measurements only; training needs at least " +
                        std::to_string(kFewestSets));
-    const Eigen::MatrixXd known = rowsOf(samples_.temperatures, rows);
-    inputs_.resize(known.rows(), static_cast<Eigen::Index>(sensors_.size()));
-    for (std::size_t i = 0; i < sensors_.size(); ++i)
-      inputs_.col(static_cast<Eigen::Index>(i)) = known.col(sensors_[i]);
+    inputs_ = samples_.temperatures(rows, sensors_);
     outputs_ = rowsOf(samples_.error, rows);
   }
 
@@ -342,10 +332,9 @@ UpdatedNetworks updateNetworks(const CalibrationResult& held) {
                          ", so the network has almost no effect; calibrate again");
       const NetworkSamples samples = gatherNetworkSamples(
           at, held.residuals, held.weight, model.domain().findJoint(spec.text("axis")), learned.positions);
-      Eigen::MatrixXd x(samples.temperatures.rows(), static_cast<Eigen::Index>(learned.sensors.size()));
-      for (std::size_t i = 0; i < learned.sensors.size(); ++i)
-        x.col(static_cast<Eigen::Index>(i)) =
-            samples.temperatures.col(model.domain().findSensor(learned.sensors[i]));
+      std::vector<int> sensors;
+      for (const std::string& name : learned.sensors) sensors.push_back(model.domain().findSensor(name));
+      const Eigen::MatrixXd x = samples.temperatures(Eigen::all, sensors);
       const std::unique_ptr<ThermalNetwork> network = networkFromNumbers(learned.numbers);
       if (!x.allFinite())
         throw InputError(problem.session().source + ": effect " + learned.effect +

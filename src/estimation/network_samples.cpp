@@ -7,6 +7,7 @@
 
 #include "base/dense.h"
 #include "base/error.h"
+#include "base/grid_values.h"
 
 namespace mm {
 namespace {
@@ -45,15 +46,9 @@ std::vector<Evidence> evidenceOf(const Linearisation& at, const Eigen::VectorXd&
 /// Shares of the outputs at a reading: linear between two, all of the first or last beyond.
 void sharesAt(const std::vector<double>& positions, double q, Eigen::VectorXd& shares) {
   shares.setZero(static_cast<Eigen::Index>(positions.size()));
-  const auto i = std::upper_bound(positions.begin(), positions.end(), q) - positions.begin();
-  if (i == 0) {
-    shares[0] = 1.0;
-  } else if (i == static_cast<std::ptrdiff_t>(positions.size())) {
-    shares[i - 1] = 1.0;
-  } else {
-    shares[i] = (q - positions[i - 1]) / (positions[i] - positions[i - 1]);
-    shares[i - 1] = 1.0 - shares[i];
-  }
+  const auto [before, share] = placeAmong(positions, q);
+  shares[static_cast<Eigen::Index>(before)] = 1.0 - share;
+  if (share > 0.0) shares[static_cast<Eigen::Index>(before) + 1] = share;
 }
 
 /// Stretches of time in which every output was measured, each as often as the others: five runs at each

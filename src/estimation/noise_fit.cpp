@@ -9,6 +9,7 @@
 
 #include "base/cancel_scope.h"
 #include "base/dense.h"
+#include "base/median.h"
 #include "base/parallel.h"
 #include "base/tiny.h"
 #include "estimation/row_products.h"
@@ -53,9 +54,7 @@ double medianSpacing(const std::vector<double>& time) {
   std::vector<double> dt;
   for (std::size_t i = 1; i < time.size(); ++i)
     if (time[i] > time[i - 1]) dt.push_back(time[i] - time[i - 1]);
-  if (dt.empty()) return 0.0;
-  std::nth_element(dt.begin(), dt.begin() + static_cast<long>(dt.size() / 2), dt.end());
-  return dt[dt.size() / 2];
+  return dt.empty() ? 0.0 : upperMedian(std::move(dt));
 }
 
 struct NoiseFit::Gram {
@@ -175,9 +174,16 @@ double NoiseFit::prices(const NoiseModel& noise, const std::vector<double>& rati
 }
 
 NoiseFitResult NoiseFit::at(const NoiseModel& noise, const NoiseFitOptions& options) const {
+  std::vector<double> ratios;
+  for (const RandomBlock& b : blocks_) ratios.push_back(b.ratio);
+  return fittedRatios(noise, ratios, options);
+}
+
+NoiseFitResult NoiseFit::fittedRatios(const NoiseModel& noise, const std::vector<double>& from,
+                                      const NoiseFitOptions& options) const {
   NoiseFitResult result;
   result.noise = noise;
-  for (const RandomBlock& b : blocks_) result.ratios.push_back(b.ratio);
+  result.ratios = from;
   const Gram gram = gramOf(noise, result.ratios, true);
   fitRatios(gram, result.ratios);
   double rest = 0.0;
@@ -303,17 +309,6 @@ void NoiseFit::refineTerms(int round, const NoiseFitOptions& options, NoiseFitRe
   }
 }
 
-void NoiseFit::refitRatios(const NoiseFitOptions& options, NoiseFitResult& best) const {
-  NoiseFitResult refitted = best;
-  const Gram gram = gramOf(best.noise, refitted.ratios, true);
-  fitRatios(gram, refitted.ratios);
-  double rest = 0.0;
-  refitted.logEvidence =
-      value(gram, refitted.ratios, &rest) - prices(refitted.noise, refitted.ratios, options);
-  refitted.white = std::sqrt(rest / refitted.freedoms);
-  if (refitted.logEvidence > best.logEvidence) best = std::move(refitted);
-}
-
 NoiseFitResult NoiseFit::run(const NoiseModel& start, const NoiseFitOptions& options) const {
   NoiseFitResult best = at(start, options);
   for (int round = 0; round < options.rounds; ++round) {
@@ -321,7 +316,8 @@ NoiseFitResult NoiseFit::run(const NoiseModel& start, const NoiseFitOptions& opt
     if (options.dropDrift) dropTerms(options, best);
     if (options.addDrift && !timeConstants_.empty()) addTerm(options, best);
     if (options.refine) refineTerms(round, options, best);
-    refitRatios(options, best);
+    NoiseFitResult refitted = fittedRatios(best.noise, best.ratios, options);
+    if (refitted.logEvidence > best.logEvidence) best = std::move(refitted);
     if (best.logEvidence - before < kEnough) break;
   }
   best.whiteStd = best.white / std::sqrt(2.0 * best.freedoms);

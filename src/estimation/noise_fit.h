@@ -99,13 +99,14 @@ class NoiseFit {
                 const NoiseFitOptions& options) const;
   /// Another noise in the place of the best where it is worth more. @return whether it is.
   bool take(NoiseModel noise, const NoiseFitOptions& options, NoiseFitResult& best) const;
+  NoiseFitResult fittedRatios(const NoiseModel& noise, const std::vector<double>& from,
+                              const NoiseFitOptions& options) const;
   // What a round of `run` consists of: each changes `best` where that makes it worth more.
   void dropTerms(const NoiseFitOptions& options, NoiseFitResult& best) const;
   void addTerm(const NoiseFitOptions& options, NoiseFitResult& best) const;  // the best of all further ones
   Eigen::VectorXd withoutBlocks(const NoiseFitResult& best) const;
   double shortestOf(int direction) const;
   void refineTerms(int round, const NoiseFitOptions& options, NoiseFitResult& best) const;
-  void refitRatios(const NoiseFitOptions& options, NoiseFitResult& best) const;
 
   const NoiseRows& rows_;
   std::vector<RandomBlock> blocks_;

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <numeric>
 
+#include "base/format.h"
+#include "base/range.h"
 #include "estimation/robust.h"
 
 namespace mm {
@@ -186,13 +187,10 @@ class Repeats {
     tolerance_.assign(joints, kSame);
     moves_.assign(joints, 0);
     for (int j = 0; j < joints; ++j) {
-      double low = INFINITY, high = -INFINITY;
-      for (const Observation& o : observations_) {
-        low = std::min(low, o.position[j]);
-        high = std::max(high, o.position[j]);
-      }
-      if (high - low > kSame * kOfRange) tolerance_[j] = std::min(kSame, kOfRange * (high - low));
-      moves_[j] = high - low > tolerance_[j] ? 1 : 0;
+      Range range;
+      for (const Observation& o : observations_) range.add(o.position[j]);
+      if (range.size() > kSame * kOfRange) tolerance_[j] = std::min(kSame, kOfRange * range.size());
+      moves_[j] = range.size() > tolerance_[j] ? 1 : 0;
     }
   }
 
@@ -334,10 +332,9 @@ Repeatability repeatedMeasurements(const Problem& problem, const Eigen::VectorXd
   if (!(found.dof > 0.0)) found = repeats.runs();
   // repeats that are alike but for the rounding of their numbers were computed, or read on a coarse scale
   if (!(found.dof > 0.0) || !(found.value > kRoundingOfAll * residuals.cwiseAbs().maxCoeff())) return {};
-  char uncertain[64];
-  std::snprintf(uncertain, sizeof uncertain, ": %.3g degrees of freedom, ± %.2g %% (k = 2)", found.dof,
-                200.0 * found.relativeStd());
-  found.inWords = "from " + found.inWords + uncertain;
+  found.inWords =
+      "from " + found.inWords +
+      format(": %.3g degrees of freedom, ± %.2g %% (k = 2)", found.dof, 200.0 * found.relativeStd());
   return found;
 }
 

@@ -32,15 +32,10 @@ ResidualSpace::ResidualSpace(const CalibrationResult& fitted)
   const WhitenedSystem system(at_, fitted.weight.cwiseSqrt().cwiseQuotient(fitted.sigma),
                               fitted.identifiability.fixed);
   const int priors = static_cast<int>(system.jacobian.rows()) - problem.rowCount();
-  const int columns = static_cast<int>(system.jacobian.cols());
-  Eigen::MatrixXd jacobian(rows() + priors, columns);
-  target_.resize(rows() + priors);
-  for (int i = 0; i < rows() + priors; ++i) {
-    const int from = i < rows() ? used_[i] : problem.rowCount() + i - rows();
-    jacobian.row(i) = system.jacobian.row(from);
-    target_[i] = -system.residuals[from];
-  }
-  q_ = orthonormalBasis(std::move(jacobian));
+  std::vector<int> from = used_;
+  for (int i = 0; i < priors; ++i) from.push_back(problem.rowCount() + i);
+  target_ = -system.residuals(from);
+  q_ = orthonormalBasis(system.jacobian(from, Eigen::all));
   qRows_ = q_;
   target_ -= q_ * (q_.transpose() * target_);
 }

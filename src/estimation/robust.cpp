@@ -10,6 +10,7 @@
 #include <map>
 #include <numeric>
 
+#include "base/range.h"
 #include "estimation/thin_qr.h"
 #include "estimation/whitened.h"
 
@@ -28,20 +29,11 @@ constexpr double kRounding = 1e-11;  // of a column's own length
 constexpr double kByApproach = 2.0, kByTravel = 0.3, kByFeature = 10.0;
 
 /// Rows that can be compared: the same component of the same kind of observation.
-std::vector<std::vector<int>> comparableRows(const Problem& problem) {
-  std::vector<std::vector<int>> groups;
-  std::vector<long> keys;
+std::map<std::pair<ObservationKind, int>, std::vector<int>> comparableRows(const Problem& problem) {
+  std::map<std::pair<ObservationKind, int>, std::vector<int>> groups;
   for (int i = 0; i < problem.rowCount(); ++i) {
     const ResidualRow& row = problem.rows()[i];
-    const Observation& o = problem.session().observations[row.observation];
-    const long key = static_cast<long>(o.kind) * 100 + row.component;
-    const auto found = std::find(keys.begin(), keys.end(), key);
-    if (found == keys.end()) {
-      keys.push_back(key);
-      groups.push_back({i});
-    } else {
-      groups[found - keys.begin()].push_back(i);
-    }
+    groups[{problem.session().observations[row.observation].kind, row.component}].push_back(i);
   }
   return groups;
 }
@@ -62,24 +54,20 @@ View timeView(const Problem& problem, const std::vector<int>& rows) {
 View stateView(const Problem& problem, const std::vector<int>& rows, bool approach) {
   View v;
   const int joints = problem.model().machine().jointCount();
-  v.width = (approach ? 3 : 0) + 2 * joints + 3;
-  std::vector<double> low(joints, 1e300), high(joints, -1e300);
+  v.width = (approach ? 4 : 0) + 2 * joints;
+  std::vector<Range> range(joints);
   for (int i : rows)
-    for (int j = 0; j < joints; ++j) {
-      const double q = problem.state(problem.rows()[i].observation).position[j];
-      low[j] = std::min(low[j], q), high[j] = std::max(high[j], q);
-    }
+    for (int j = 0; j < joints; ++j) range[j].add(problem.state(problem.rows()[i].observation).position[j]);
   for (int i : rows) {
     const State& s = problem.state(problem.rows()[i].observation);
     if (approach)
       for (int k = 0; k < 3; ++k) v.coordinates.push_back(kByApproach * s.approach[k]);
     for (int j = 0; j < joints; ++j)
-      v.coordinates.push_back(high[j] > low[j] ? (s.position[j] - low[j]) / (high[j] - low[j]) : 0.0);
+      v.coordinates.push_back(range[j].size() > 0.0 ? (s.position[j] - range[j].lower) / range[j].size()
+                                                    : 0.0);
     for (int j = 0; j < joints; ++j)
       v.coordinates.push_back(approach ? kByTravel * s.travel[j] : s.travel[j]);
-    v.coordinates.push_back(approach ? kByFeature * s.feature : 0.0);
-    v.coordinates.push_back(0.0);
-    v.coordinates.push_back(0.0);
+    if (approach) v.coordinates.push_back(kByFeature * s.feature);
   }
   return v;
 }
@@ -170,7 +158,7 @@ Eigen::VectorXd outlierWeights(const Problem& problem, const Eigen::VectorXd& re
   const Eigen::VectorXd resolution = resolutionSigma(problem).cwiseQuotient(rowSigma);
   Eigen::VectorXd weight = Eigen::VectorXd::Ones(problem.rowCount());
   std::vector<char> outlying(problem.session().observations.size(), 0);
-  for (const std::vector<int>& rows : comparableRows(problem)) {
+  for (const auto& [of, rows] : comparableRows(problem)) {
     const int n = static_cast<int>(rows.size());
     if (n < kFewestRows || n < 2 * freeUnknowns) continue;
     std::vector<double> r;

@@ -48,6 +48,7 @@ ThinQr thinQr(const Eigen::MatrixXd& jacobian, const std::vector<LocalBlock>& bl
   const Eigen::Index local = static_cast<Eigen::Index>(result.order.size()), shared = columns - local;
   for (Eigen::Index c = 0; c < columns; ++c)
     if (localColumn[c] == 0) result.order.push_back(static_cast<int>(c));
+  const std::vector<int> others(result.order.begin() + local, result.order.end());
 
   result.r.setZero(columns, columns);
   std::vector<Qr> small;
@@ -56,25 +57,17 @@ ThinQr thinQr(const Eigen::MatrixXd& jacobian, const std::vector<LocalBlock>& bl
   for (const LocalBlock& block : blocks) {
     const Eigen::Index n = static_cast<Eigen::Index>(block.rows.size()),
                        m = static_cast<Eigen::Index>(block.columns.size());
-    Eigen::MatrixXd own(n, m), others(n, shared);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      for (Eigen::Index k = 0; k < m; ++k) own(i, k) = jacobian(block.rows[i], block.columns[k]);
-      for (Eigen::Index k = 0; k < shared; ++k)
-        others(i, k) = jacobian(block.rows[i], result.order[local + k]);
-    }
-    small.emplace_back(own);
-    others.applyOnTheLeft(small.back().householderQ().transpose());
+    small.emplace_back(Eigen::MatrixXd(jacobian(block.rows, block.columns)));
+    Eigen::MatrixXd beside = jacobian(block.rows, others);
+    beside.applyOnTheLeft(small.back().householderQ().transpose());
     result.r.block(column, column, m, m) = small.back().matrixQR().topRows(m).triangularView<Eigen::Upper>();
-    result.r.block(column, local, m, shared) = others.topRows(m);
-    rest.middleRows(filled, n - m) = others.bottomRows(n - m);
+    result.r.block(column, local, m, shared) = beside.topRows(m);
+    rest.middleRows(filled, n - m) = beside.bottomRows(n - m);
     filled += n - m;
     column += m;
   }
-  for (Eigen::Index i = 0; i < rows; ++i) {
-    if (localRow[i] != 0) continue;
-    for (Eigen::Index k = 0; k < shared; ++k) rest(filled, k) = jacobian(i, result.order[local + k]);
-    ++filled;
-  }
+  for (Eigen::Index i = 0; i < rows; ++i)
+    if (localRow[i] == 0) rest.row(filled++) = jacobian(i, others);
   const Qr last(rest);
   result.r.block(local, local, shared, shared) =
       last.matrixQR().topRows(shared).triangularView<Eigen::Upper>();
@@ -91,10 +84,8 @@ ThinQr thinQr(const Eigen::MatrixXd& jacobian, const std::vector<LocalBlock>& bl
     part.topLeftCorner(m, m).setIdentity();
     part.bottomRightCorner(n - m, shared) = lastQ.middleRows(filled, n - m);
     part.applyOnTheLeft(small[b].householderQ());
-    for (Eigen::Index i = 0; i < n; ++i) {
-      result.q.block(block.rows[i], column, 1, m) = part.row(i).head(m);
-      result.q.block(block.rows[i], local, 1, shared) = part.row(i).tail(shared);
-    }
+    result.q(block.rows, Eigen::seqN(column, m)) = part.leftCols(m);
+    result.q(block.rows, Eigen::seqN(local, shared)) = part.rightCols(shared);
     filled += n - m;
     column += m;
   }

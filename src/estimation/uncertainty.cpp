@@ -60,12 +60,8 @@ Memory memoryOf(const Linearisation& at, const Fit& fit, const WhitenedSystem& s
   for (int i = 0; i < at.problem().rowCount(); ++i)
     if (fit.weight[i] > 0.0) used.push_back(i);
   const int n = static_cast<int>(used.size()), columns = std::min(shared, kMostColumns);
-  RowMatrix base(n, columns);
-  Eigen::VectorXd target(n);
-  for (int i = 0; i < n; ++i) {
-    base.row(i) = q.row(used[i]).tail(columns);
-    target[i] = system.residuals[used[i]];
-  }
+  RowMatrix base = q(used, Eigen::lastN(columns));
+  Eigen::VectorXd target = system.residuals(used);
   Memory memory;
   memory.rows = noiseRows(at, used, fit.sigma, std::move(target), std::move(base));
   NoiseModel white;
@@ -92,8 +88,8 @@ Eigen::MatrixXd covarianceUnder(const Memory& memory, const Fit& fit, const Eige
   RowMatrix all(static_cast<Eigen::Index>(memory.rows.rows.time.size()), q.cols());
   for (Eigen::Index i = 0, k = 0; i < data; ++i)
     if (fit.weight[i] > 0.0) all.row(k++) = q.row(i);
-  const TimeWhitener whitener(memory.rows.rows.time, memory.rows.rows.factors, memory.fit.noise.variance,
-                              memory.fit.noise.drift);
+  const TimeWhitener whitener =
+      whitenerOf(memory.rows.rows, memory.fit.noise.variance, memory.fit.noise.drift);
   Eigen::MatrixXd middle = Eigen::MatrixXd(all.transpose() * whitener.covarianceTimes(all));
   const auto priors = q.bottomRows(q.rows() - data);
   middle += priors.transpose() * priors;
@@ -135,7 +131,7 @@ Uncertainty uncertaintyOf(const Problem& problem, const Fit& fit, const std::vec
     Eigen::MatrixXd inverseR(columns, columns);  // its rows in the order of the unknowns
     const Eigen::MatrixXd inverse =
         qr.r.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(columns, columns));
-    for (int k = 0; k < columns; ++k) inverseR.row(qr.order[k]) = inverse.row(k);
+    inverseR(qr.order, Eigen::all) = inverse;
     const double variance = u.dof > 0 ? system.residuals.squaredNorm() / u.dof : 1.0;
     Eigen::MatrixXd c = variance * inverseR * inverseR.transpose();
     if (!whiteNoise && u.dof >= kFewestFreedoms) {
@@ -152,9 +148,7 @@ Uncertainty uncertaintyOf(const Problem& problem, const Fit& fit, const std::vec
                            t.ratio * memory.fit.white * memory.rows.directionScale[t.direction], t.tau,
                            t.smooth});
     }
-    for (int i = 0; i < columns; ++i)
-      for (int j = 0; j < columns; ++j)
-        u.covariance(system.free[i], system.free[j]) = c(i, j) * system.scale[i] * system.scale[j];
+    u.covariance(system.free, system.free) = system.scale.asDiagonal() * c * system.scale.asDiagonal();
   }
   u.heldOut = heldOutResiduals(q, system.residuals, makeFolds(problem));
   for (int i = 0; i < data; ++i) u.heldOut[i] *= fit.sigma[i];
