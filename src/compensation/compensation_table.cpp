@@ -5,7 +5,6 @@
 #include "base/error.h"
 #include "base/format.h"
 #include "base/units.h"
-#include "compensation/middle_state.h"
 #include "effects/inputs.h"
 #include "machine/linear_inverse.h"
 #include "session/session.h"

@@ -18,6 +18,15 @@ constexpr double kPastSeen = 1e-9;  // m: less is no news
 
 }  // namespace
 
+Eigen::Vector3d motionAlong(const std::string& direction, const Domain& domain,
+                            const Eigen::Matrix<double, 6, Eigen::Dynamic>& jacobian) {
+  const int joint = domain.findJoint(direction);
+  if (joint >= 0) return jacobian.block<3, 1>(0, joint);
+  for (int k = 0; k < 3; ++k)
+    if (direction == std::string(1, "xyz"[k])) return Eigen::Vector3d::Unit(k);
+  return Eigen::Vector3d::Zero();
+}
+
 Compensator::Compensator(const Calibration& calibration, Options options)
     : id_(calibration.id),
       options_(options),
@@ -63,13 +72,10 @@ Compensator::Part Compensator::partOf(const Calibration& calibration, bool timed
     if (timed || !ofTime_[e]) effects.push_back(model_.effects()[e]);
   Part part;
   part.model = std::make_shared<const Model>(model_.machine(), model_.domain(), std::move(effects));
-  const auto n = static_cast<Eigen::Index>(kept.size());
-  part.parameters.resize(n);
-  part.covariance.resize(n, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    part.parameters[i] = calibration.values[kept[i]].value;
-    for (Eigen::Index j = 0; j < n; ++j) part.covariance(i, j) = calibration.covariance(kept[i], kept[j]);
-  }
+  part.parameters.resize(static_cast<Eigen::Index>(kept.size()));
+  for (std::size_t i = 0; i < kept.size(); ++i)
+    part.parameters[static_cast<Eigen::Index>(i)] = calibration.values[kept[i]].value;
+  part.covariance = calibration.covariance(kept, kept);
   return part;
 }
 
@@ -82,6 +88,21 @@ State Compensator::blankState() const {
   state.temperature.assign(d.sensors.size(), kNotMeasured);
   state.covariate.assign(d.covariates.size(), kNotMeasured);
   state.laserReading = kNotMeasured;
+  return state;
+}
+
+State middleState(const Compensator& compensator) {
+  const Domain& d = compensator.model().domain();
+  State state = compensator.blankState();
+  for (std::size_t j = 0; j < d.joints.size(); ++j) {
+    state.position[j] = 0.5 * (d.lower[j] + d.upper[j]);
+    state.velocity[j] = 0.0;
+  }
+  for (std::size_t s = 0; s < d.sensors.size(); ++s)
+    state.temperature[s] = 0.5 * (d.sensorLower[s] + d.sensorUpper[s]);
+  for (std::size_t c = 0; c < d.covariates.size(); ++c)
+    state.covariate[c] = 0.5 * (d.covariateLower[c] + d.covariateUpper[c]);
+  if (d.laser) state.laserReading = 0.5 * (d.readingLower + d.readingUpper);
   return state;
 }
 
@@ -173,13 +194,7 @@ Correction Compensator::apply(const State& state, const MovingState* moved, Work
     if (!drift_.empty()) {
       const auto jacobian = model_.machine().jacobian(state.position.data(), beam);
       for (const Wandering& w : drift_) {
-        const int joint = d.findJoint(w.direction);
-        Eigen::Vector3d along = Eigen::Vector3d::Zero();
-        if (joint >= 0)
-          along = jacobian.block<3, 1>(0, joint);
-        else
-          for (int k = 0; k < 3; ++k)
-            if (w.direction == std::string(1, "xyz"[k])) along[k] = 1.0;
+        const Eigen::Vector3d along = motionAlong(w.direction, d, jacobian);
         c.covariance += w.std * w.std * along * along.transpose();
       }
     }

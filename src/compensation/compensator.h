@@ -9,6 +9,11 @@
 
 namespace mm {
 
+/// What a motion along a joint, or along x, y or z of workpiece, does to the tip: m/rad, or a unit vector;
+/// zero where there is no such direction. @param jacobian of the machine.
+Eigen::Vector3d motionAlong(const std::string& direction, const Domain& domain,
+                            const Eigen::Matrix<double, 6, Eigen::Dynamic>& jacobian);
+
 /// Where the probe really is, and whether that can be trusted. Frame: workpiece; m, rad.
 struct Correction {
   ProbePose nominal, corrected;                            // tip centre (touch) or surface point (laser)
@@ -118,5 +123,9 @@ class Compensator {
   std::vector<Wandering> drift_;  // what the corrected position may be off by, beside its parameters
   std::unique_ptr<const CalibratedLimits> limits_;
 };
+
+/// A state at rest in the middle of everything that was calibrated: positions, temperatures, covariates, the
+/// laser's reading. Directions of travel and the time are those of Compensator::blankState.
+State middleState(const Compensator& compensator);
 
 }  // namespace mm

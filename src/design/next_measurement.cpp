@@ -201,9 +201,7 @@ class Imitation {
   /// What is left of a column where the unknowns that are added take what they can.
   double leftOf(const Eigen::VectorXd& column) const {
     if (views_->added.empty()) return column.norm();
-    Eigen::MatrixXd of(later_.rows(), static_cast<Eigen::Index>(views_->added.size()));
-    for (std::size_t k = 0; k < views_->added.size(); ++k)
-      of.col(static_cast<Eigen::Index>(k)) = later_.col(views_->added[k]);
+    const Eigen::MatrixXd of = later_(Eigen::all, views_->added);
     return (column - of * leastSquares(of, column)).norm();
   }
 

@@ -9,6 +9,7 @@
 #include "design/session_doubts.h"
 #include "effects/linearity.h"
 #include "effects/registry.h"
+#include "estimation/fitter.h"
 #include "estimation/whitened.h"
 #include "model/observed_domain.h"
 
@@ -230,10 +231,7 @@ PointSet checkPointSet(const Session& session, const ModelSpec* spec) {
       spec != nullptr && spec->repeatability > 0.0 ? spec->repeatability : session.artifact.repeatability;
   set.noiseDeclared = stated > 0.0;
   set.noise = set.noiseDeclared ? stated : kMicrometre;
-  const Eigen::VectorXd sigma = problem->sigmas(set.noise, kArcsecond);
-  Eigen::VectorXd inverse = sigma.cwiseInverse();
-  for (int i = 0; i < inverse.size(); ++i)
-    if (!problem->uses(problem->rows()[static_cast<std::size_t>(i)].observation)) inverse[i] = 0.0;
+  const Eigen::VectorXd inverse = inverseOf(problem->sigmas(set.noise, kArcsecond), usableWeight(*problem));
   const Eigen::VectorXd x = problem->start();
   set.identifiability = identify(*problem, x, inverse, true);
   const WhitenedSystem system(*problem, x, inverse, set.identifiability.fixed);

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/dense.h"
-#include "base/error.h"
+#include "base/range.h"
 #include "base/units.h"
 #include "estimation/identifiability.h"
 #include "estimation/whitened.h"
@@ -50,13 +50,11 @@ std::vector<std::vector<double>> anglesOf(const Machine& machine, const std::vec
 std::vector<Candidate> candidatesOf(const Problem& problem, const Eigen::VectorXd& x) {
   const Session& session = problem.session();
   const Machine& machine = session.machine;
-  double low = 1e300, high = -1e300;
-  for (const Observation& o : session.observations)
-    if (std::isfinite(o.laserReading))
-      low = std::min(low, o.laserReading), high = std::max(high, o.laserReading);
+  Range range;
+  for (const Observation& o : session.observations) range.add(o.laserReading);
   std::vector<double> readings{kNotMeasured};
-  if (high >= low) {
-    const double middle = 0.5 * (low + high), half = std::max(0.5 * (high - low), kLeastRange);
+  if (range.any()) {
+    const double middle = 0.5 * (range.lower + range.upper), half = std::max(0.5 * range.size(), kLeastRange);
     readings = {middle - half, middle + half};
   }
   std::vector<Candidate> all;

@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include "effects/effect_words.h"
-#include "estimation/identifiability.h"
+#include "estimation/fitter.h"
 #include "machine/linear_inverse.h"
 #include "model/observed_domain.h"
 #include "session/geometric_start.h"
@@ -59,10 +59,8 @@ std::vector<char> toldFromArtifact(Session session, const std::vector<EffectSpec
   }
   session.observations = centresOf(session);
   const Problem problem(session, Model(session.machine, observedDomain(session), effects));
-  Eigen::VectorXd inverse = problem.sigmas(kNoise, kNoise).cwiseInverse();
-  for (int i = 0; i < inverse.size(); ++i)
-    if (!problem.uses(problem.rows()[static_cast<std::size_t>(i)].observation)) inverse[i] = 0.0;
-  const Identifiability found = identify(problem, problem.start(), inverse, true);
+  const Identifiability found = identify(
+      problem, problem.start(), inverseOf(problem.sigmas(kNoise, kNoise), usableWeight(problem)), true);
   std::vector<char> told(effects.size(), 1);
   constexpr double kPart = 0.05;  // of a unit vector
   for (const LostDirection& lost : found.lost)

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/format.h"
+#include "base/range.h"
 #include "base/units.h"
 
 namespace mm {
@@ -30,11 +31,9 @@ void rotaryDoubts(const Session& session, const std::vector<const Observation*>&
   for (int j = 0; j < session.machine.jointCount(); ++j) {
     const Joint& joint = session.machine.joints()[j];
     if (joint.kind != JointKind::kRotary) continue;
-    double low = 1e300, high = -1e300;
-    for (const Observation* o : contacts) {
-      low = std::min(low, o->position[j]);
-      high = std::max(high, o->position[j]);
-    }
+    Range range;
+    for (const Observation* o : contacts) range.add(o->position[j]);
+    const auto [low, high] = range;
     if (high - low < kOneAngle)
       doubts.push_back("every posture has " + joint.name + format(" = %.4g deg: ", low / kDegree) + "what " +
                        joint.name +

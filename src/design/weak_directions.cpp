@@ -20,15 +20,10 @@ std::vector<WeakDirection> weakDirections(const CalibrationResult& result) {
   const int count = static_cast<int>(free.size());
   if (count < 3) return weak;
   // in units of what each parameter alone would show: what is large there is large by collinearity (Belsley)
-  Eigen::MatrixXd jacobian = linearise(*result.problem, result.x).jacobian();
-  for (int i = 0; i < jacobian.rows(); ++i)
-    jacobian.row(i) *= result.weight[i] > 0.0 ? std::sqrt(result.weight[i]) / result.sigma[i] : 0.0;
-  Eigen::VectorXd shown(count);
-  for (int i = 0; i < count; ++i) shown[i] = jacobian.col(free[i]).norm();
-  Eigen::MatrixXd scaled(count, count);
-  for (int i = 0; i < count; ++i)
-    for (int j = 0; j < count; ++j) scaled(i, j) = result.covariance(free[i], free[j]) * shown[i] * shown[j];
-  const SymmetricEigen eigen(scaled);
+  const Eigen::MatrixXd jacobian = result.weight.cwiseSqrt().cwiseQuotient(result.sigma).asDiagonal() *
+                                   linearise(*result.problem, result.x).jacobian()(Eigen::all, free);
+  const Eigen::VectorXd shown = jacobian.colwise().norm();
+  const SymmetricEigen eigen(shown.asDiagonal() * result.covariance(free, free) * shown.asDiagonal());
   const double median = std::sqrt(std::max(0.0, eigen.values[count / 2]));
   for (int k = count - 1; k > count / 2; --k) {
     const double std = std::sqrt(std::max(0.0, eigen.values[k]));

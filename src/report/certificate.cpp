@@ -5,7 +5,7 @@
 #include <set>
 
 #include "base/format.h"
-#include "compensation/middle_state.h"
+#include "compensation/compensator.h"
 #include "machine/joint_units.h"
 
 namespace mm {

@@ -136,9 +136,8 @@ class Dfnn : public ThermalNetwork {
   DfnnRules rules_;
   double ridge_ = 0.0, departureRidge_ = 0.0;  // relative; 0 in a published network
   double heldOut_ = 0.0;                       // unit of y; 0 in a published network
-  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  RowMajor common_;   // (inputs + 1) x outputs, scaled: the line; zero in a published network
-  RowMajor weights_;  // rules (inputs + 1) x outputs, scaled: the rules' consequents, or their departures
+  RowMatrix common_;   // (inputs + 1) x outputs, scaled: the line; zero in a published network
+  RowMatrix weights_;  // rules (inputs + 1) x outputs, scaled: the rules' consequents, or their departures
 };
 
 void Dfnn::standardise() {
@@ -218,8 +217,8 @@ void Dfnn::choose() {
 void Dfnn::solve() {
   const Eigen::MatrixXd x = scaledInputs(), y = scaledOutputs();
   const Eigen::Index r = x.cols();
-  common_ = RowMajor::Zero(r + 1, y.cols());
-  weights_ = RowMajor::Zero(rules_.count() * (r + 1), y.cols());
+  common_ = RowMatrix::Zero(r + 1, y.cols());
+  weights_ = RowMatrix::Zero(rules_.count() * (r + 1), y.cols());
   if (settings_.dfnn.published) {
     weights_ = shortestLeastSquares(rules_.design(x), y);
     return;

@@ -48,8 +48,7 @@ class RbfNetwork : public ThermalNetwork {
   Eigen::RowVectorXd mean_, scale_;  // standardised x = (x - mean) * scale
   Eigen::MatrixXd centres_;          // centres x inputs, standardised
   double spread_ = 1.0;              // distance at which a centre's strength is one half, standardised
-  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  RowMajor weights_;  // centres x outputs
+  RowMatrix weights_;                // centres x outputs
   Eigen::RowVectorXd offset_;
 };
 

@@ -270,15 +270,12 @@ SensorSelection selectSensors(const Eigen::MatrixXd& temperatures, const Eigen::
   return result;
 }
 
-Eigen::VectorXd greyRelationalGrade(const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& outputs,
-                                    double rho) {
+Eigen::VectorXd greyRelationalGrade(const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& outputs) {
+  constexpr double kRho = 0.5;
   if (inputs.rows() != outputs.rows() || inputs.rows() < 2)
     throw InputError("grey relational grade: " + std::to_string(inputs.rows()) +
                      " samples of the inputs and " + std::to_string(outputs.rows()) +
                      " of the outputs; at least 2 are needed, of each as many");
-  if (!(rho > 0.0 && rho <= 1.0))
-    throw InputError("grey relational grade: rho = " + std::to_string(rho) +
-                     "; it must be above 0 and at most 1");
   Eigen::VectorXd grade = Eigen::VectorXd::Zero(inputs.cols());
   int counted = 0;
   for (Eigen::Index p = 0; p < outputs.cols(); ++p) {
@@ -297,7 +294,7 @@ Eigen::VectorXd greyRelationalGrade(const Eigen::MatrixXd& inputs, const Eigen::
     }
     for (Eigen::Index i = 0; i < inputs.cols(); ++i) {
       if (!varies(inputs.col(i))) continue;
-      grade(i) += most > 0.0 ? ((least + rho * most) / (delta.col(i).array() + rho * most)).mean() : 1.0;
+      grade(i) += most > 0.0 ? ((least + kRho * most) / (delta.col(i).array() + kRho * most)).mean() : 1.0;
     }
     ++counted;
   }

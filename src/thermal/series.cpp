@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "base/dense.h"
 #include "base/error.h"
 #include "base/read_file.h"
 #include "base/text.h"
@@ -75,9 +76,8 @@ SampledSeries readSeries(const std::string& path) {
   }
   if (series.names.empty()) throw InputError(path + ": is empty; the first line must name the columns");
   const auto columns = static_cast<Eigen::Index>(series.names.size());
-  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  series.values = Eigen::Map<const RowMajor>(numbers.data(),
-                                             static_cast<Eigen::Index>(numbers.size()) / columns, columns);
+  series.values = Eigen::Map<const RowMatrix>(numbers.data(),
+                                              static_cast<Eigen::Index>(numbers.size()) / columns, columns);
   return series;
 }
 

@@ -9,7 +9,6 @@
 #include "base/format.h"
 #include "base/nearest_name.h"
 #include "base/units.h"
-#include "compensation/middle_state.h"
 #include "effects/effect_words.h"
 #include "uncertainty/virtual_machine.h"
 
@@ -60,14 +59,9 @@ std::string placeInWords(const Eigen::Vector3d& at) {
   return format("at (%.6g, %.6g, %.6g) mm", at.x() / kMillimetre, at.y() / kMillimetre, at.z() / kMillimetre);
 }
 
-/// What a motion along a direction does to the tip: a unit vector, or m/rad.
 Eigen::Vector3d motionAlong(const std::string& direction, const Model& model, const State& state) {
-  const int joint = model.domain().findJoint(direction);
   const double beam = model.domain().laser ? state.laserReading : kNotMeasured;
-  if (joint >= 0) return model.machine().jacobian(state.position.data(), beam).block<3, 1>(0, joint);
-  for (int k = 0; k < 3; ++k)
-    if (direction == std::string(1, "xyz"[k])) return Eigen::Vector3d::Unit(k);
-  return Eigen::Vector3d::Zero();
+  return motionAlong(direction, model.domain(), model.machine().jacobian(state.position.data(), beam));
 }
 
 }  // namespace

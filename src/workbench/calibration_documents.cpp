@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "base/quantity_words.h"
 #include "base/units.h"
-#include "compensation/middle_state.h"
+#include "compensation/compensator.h"
 #include "effects/catalogue.h"
 #include "effects/effect_words.h"
 #include "export/export_target.h"
