@@ -11,19 +11,16 @@ import sys
 import tempfile
 import time
 
+from told import THOROUGH, say
+
 ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", ".."))
 MM = os.environ["MM"]
-THOROUGH = any(os.environ.get(name, "0") not in ("", "0") for name in ("MM_THOROUGH_TESTS", "MM_LONG_TESTS"))
 MACHINES = int(os.environ.get("MACHINES", "6" if THOROUGH else "2"))
 SESSIONS = int(os.environ.get("SESSIONS", "4" if THOROUGH else "2"))
 KILLS = int(os.environ.get("KILLS", "4" if THOROUGH else "2"))
 # Every day try_failures alone diagnoses.
 STEPS = os.environ.get("STEPS", "check,calibrate,diagnose" if THOROUGH else "check,calibrate")
 FIGURES = {"machines": MACHINES, "sessions": MACHINES * SESSIONS, "steps": STEPS}
-
-
-def say(good, what, why=""):
-    print(("ok " if good else "not ok ") + what + ("" if good or not why else ": " + str(why)[-400:]), flush=True)
 
 
 def mm(*words, **more):
@@ -249,10 +246,10 @@ def try_interrupt(fleet, work, first):
 def try_limit(fleet, work):
     """A step that stands still ends at its limit, its job fails, and the next run does it again."""
     folder = os.path.join(work, "limited")
-    process, manifest, step = standing_still(fleet, folder, "--limit", "2")
+    process, manifest, step = standing_still(fleet, folder, "--limit", "1")
     _, said = process.communicate()
     os.replace(folder + "_model.yaml.kept", folder + "_model.yaml")
-    say(process.returncode == 1 and "calibrate: took longer than 2 s (--limit)" in said and said.count("\n") == 1, "a step that takes too long is ended and named", said)
+    say(process.returncode == 1 and "calibrate: took longer than 1 s (--limit)" in said and said.count("\n") == 1, "a step that takes too long is ended and named", said)
     done, answer, _ = batch(manifest, folder)
     say(done.returncode == 0 and answer["done"] == 1, "and tried again by the next run", done.stderr)
 

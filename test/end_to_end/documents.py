@@ -7,13 +7,10 @@ import subprocess
 import sys
 import tempfile
 
+from told import THOROUGH, say
+
 ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", ".."))
 MM = os.environ["MM"]
-THOROUGH = any(os.environ.get(name, "0") not in ("", "0") for name in ("MM_THOROUGH_TESTS", "MM_LONG_TESTS"))
-
-
-def say(good, what, why=""):
-    print(("ok " if good else "not ok ") + what + ("" if good or not why else ": " + why), flush=True)
 
 
 def text_of(name):
@@ -45,13 +42,20 @@ def examples(text, folder):
     for name, body in re.findall(r"```\w+ file=(\S+)\n(.*?)```", text, re.S):
         with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
             file.write(body)
+    if not THOROUGH:  # every day batch_test.sh diagnoses in a batch
+        manifest, steps = os.path.join(folder, "manifest.yaml"), "steps: [check, calibrate, diagnose]"
+        with open(manifest, encoding="utf-8") as file:
+            whole = file.read()
+        say(steps in whole, "docs/formats.md: the manifest has its steps")
+        with open(manifest, "w", encoding="utf-8") as file:
+            file.write(whole.replace(steps, "steps: [check, calibrate]"))
 
 
-def try_typed(document, folder, typed_before=()):
-    """Types the lines of a page, each once, without those that were typed in the same folder before; what they print."""
+def try_typed(document, folder, typed_elsewhere=()):
+    """Types the lines of a page, each once, without those that are typed in the same folder elsewhere; what they print."""
     printed = []
     for line in dict.fromkeys(typed_lines(text_of(document))):
-        if line in typed_before:
+        if line in typed_elsewhere:
             continue
         done = run(line, folder)
         say(done.returncode == 0, f"{document}: {line[:70]}", done.stderr.strip()[-300:])
@@ -227,7 +231,8 @@ def main():
         os.makedirs(folder)
         for name in ("config", "examples"):
             os.symlink(os.path.join(ROOT, name), os.path.join(work, name))
-        try_typed("README.md", folder)
+        # the picture types these itself, for their figures
+        try_typed("README.md", folder, [f"mm diagnose plate.bag --calibration plate{n}.yaml" for n in (1, 2)])
         done = run(f"{ROOT}/scripts/loop_picture . --check", folder)
         say(done.returncode == 0, "docs/loop.svg: its figures are those of the lines of README.md", done.stderr.strip()[-300:])
         try_typed("docs/find_a_missing_effect.md", folder, typed_lines(text_of("README.md")))
