@@ -19,13 +19,14 @@ struct DiskFault {
   using Way = mm_test::FailingDiskControl::Way;
   bool reads = false;
   Way way = Way::kOnce;
-  int n = 0;          // which operation; 0 where every one is cut short or interrupted
+  int n = 0;          // which operation; 0 where all reads and writes are uneven
   int cause = EIO;    // errno
   bool anew = false;  // nothing of the outputs is there yet
   std::string inWords() const {
-    static const char* const kWays[] = {"once", "lasting", "short", "interrupted"};
-    return std::string(reads ? "read " : "write ") + std::to_string(n) + " " + kWays[static_cast<int>(way)] +
-           " " + std::strerror(cause) + (anew ? ", nothing there before" : "");
+    if (way == Way::kUneven) return "reads and writes are cut short or interrupted";
+    return std::string(reads ? "read " : "write ") + std::to_string(n) +
+           (way == Way::kOnce ? " once " : " lasting ") + std::strerror(cause) +
+           (anew ? ", nothing there before" : "");
   }
 };
 
@@ -57,7 +58,7 @@ class FailingDisk : public SessionFolder {
     control_->at = fault.n;
     control_->way = fault.way;
     control_->cause = fault.cause;
-    control_->what = fault.reads ? 1 : 2;
+    control_->what = fault.way == DiskFault::Way::kUneven ? 3 : fault.reads ? 1 : 2;
   }
   static void mend() { control_->what = 0; }
 
@@ -85,8 +86,8 @@ class FailingDisk : public SessionFolder {
 
   /// Every way to fail of a command that makes so many reads and writes: in a long test each n with each
   /// cause, else one in the middle, in a thorough test of what passes also the first and the last, and the
-  /// causes in turn. Every day a read fails once or is interrupted, and a write fails once, or from then on
-  /// for those that tidy up behind it, or is cut short.
+  /// causes in turn; and once all of them are uneven. Every day a read fails once, and a write once, or from
+  /// then on for those that tidy up behind it.
   static std::vector<DiskFault> faults(int reads, int writes) {
     std::vector<DiskFault> all;
     for (const bool reading : {true, false}) {
@@ -105,9 +106,8 @@ class FailingDisk : public SessionFolder {
                   ((reading || (n % 2 == 0) == (cause == EIO)) && (n / 2 % 2 == 0) == anew))
                 all.push_back({reading, way, n, cause, anew});
         }
-      for (const Way way : {Way::kShort, Way::kInterrupted})
-        if (everyWay || (way == Way::kInterrupted) == reading) all.push_back({reading, way, 0, 0, false});
     }
+    all.push_back({false, DiskFault::Way::kUneven, 0, 0, false});
     return all;
   }
 

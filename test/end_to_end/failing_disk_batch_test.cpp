@@ -89,10 +89,11 @@ TEST_F(FailingBatch, TheSameLineGoesOn) {
       EXPECT_FALSE(answer.error.empty());
       EXPECT_EQ(answer.json().at("left").get<int>() + answer.json().at("failed").get<int>() > 0, true);
     }
-    // The disk is mended.
-    const Answer again = typed(kLine);
-    EXPECT_EQ(again.status, 0) << again.error << answer.error;
-    everythingIsDone();
+    if (answer.status != 0) {  // the disk is mended
+      const Answer again = typed(kLine);
+      EXPECT_EQ(again.status, 0) << again.error << answer.error;
+      everythingIsDone();
+    }
     if (HasFailure()) return;
   }
   std::printf("%5zu runs, %d refused, %d with failed jobs\n", all.size(), refused, failed);

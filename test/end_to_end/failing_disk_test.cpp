@@ -73,6 +73,9 @@ class FailingDiskTest : public FailingDisk, public ::testing::WithParamInterface
     folder_->write("long.yaml", "machine: three_axis\neffects:\n  - {type: scale, axis: x}\n" +
                                     std::string(200000, '#') + "\n  - {type: backlash, axis: x}\n");
     folder_->write("short.yaml", textOf("test/ros/short_plan.yaml"));
+    const std::string rows = axisCsv(7);  // a fifth of them
+    folder_->write("few.csv", rows.substr(0, rows.find("\n10,")) + "\n");
+    run("import few.csv --machine three_axis -o few.bag");
     folder_->write("plotly.js", "// plotly\n" + std::string(150000, ' '));
     // A printer that prints a page by copying it.
     const std::string printer = folder_->write("weasyprint", "#!/bin/sh\nexec cat \"$2\" >\"$3\"\n");
@@ -144,7 +147,7 @@ INSTANTIATE_TEST_SUITE_P(
                "calibrate s.bag --model m.yaml --generations 3 --population 20 -o ga.yaml --curve curve.csv"},
         Writer{"Add", "add s.bag --calibration c.yaml '{type: backlash, axis: x}' -o added.yaml"},
         Writer{"Remove", "remove s.bag --calibration c.yaml '{type: scale, axis: x}' -o removed.yaml"},
-        Writer{"Report", "report s.bag --calibration c.yaml --plotly plotly.js -o report.html"},
+        Writer{"Report", "report few.bag --calibration c.yaml --plotly plotly.js -o report.html"},
         Writer{"Apply", "apply states.csv --calibration c.yaml -o corrected.csv",
                "apply states.csv --calibration t.yaml -o corrected.csv"},
         Writer{"Sensors", "sensors series.csv --target nose_um --picture picture.svg"},
@@ -161,9 +164,12 @@ INSTANTIATE_TEST_SUITE_P(
             : Writer{"ExportLinuxCnc", "export c.yaml --to linuxcnc --tables-alone -o tables",
                      "export t.yaml --to linuxcnc --tables-alone -o tables"},
         Writer{"ExportCsv", "export c.yaml --to csv -o numbers"},
-        Writer{"CertificateHtml", "certificate c.yaml s.bag --serial 7 --trials 200 -o certificate.html"},
-        Writer{"CertificatePdf", "certificate c.yaml --serial 7 --trials 200 -o certificate.pdf"},
-        Writer{"CertificateXml", "certificate c.yaml --serial 7 --trials 200 -o certificate.xml"},
+        Writer{"CertificateHtml",
+               "certificate c.yaml s.bag --serial 7 --task position:0,0,0 --trials 200 -o certificate.html"},
+        Writer{"CertificatePdf",
+               "certificate c.yaml --serial 7 --task position:0,0,0 --trials 200 -o certificate.pdf"},
+        Writer{"CertificateXml",
+               "certificate c.yaml --serial 7 --task position:0,0,0 --trials 200 -o certificate.xml"},
         Writer{"Trend", "history --store history --trend --plotly plotly.js -o trend.html"}),
     [](const ::testing::TestParamInfo<Writer>& info) { return info.param.name; });
 

@@ -47,8 +47,8 @@ FailingDiskControl& control() {
   return *kControl;
 }
 
-/// Whether it is reads, or writes, that fail.
-bool concerns(bool reading) { return control().what == (reading ? 1 : 2); }
+/// Whether these operations fail.
+bool concerns(bool reading) { return (control().what & (reading ? 1 : 2)) != 0; }
 
 bool below(const char* path) {
   static const char* const kFolder = std::getenv("FAILING_DISK_FOLDER");
@@ -87,19 +87,16 @@ bool fails(bool reading) {
   return now;
 }
 
+bool uneven(bool reading) { return concerns(reading) && control().way == Way::kUneven; }
+
 bool interrupted(bool reading) {
-  static std::atomic<bool> next{false};
-  if (!concerns(reading) || control().way != Way::kInterrupted) return false;
-  const bool now = !next.load();
-  next = now;
+  static std::atomic<int> count[2];
+  const bool now = uneven(reading) && ++count[reading] % 2 == 1;
   if (now) errno = EINTR;
   return now;
 }
 
-std::size_t part(bool reading, std::size_t size) {
-  const bool cut = concerns(reading) && control().way == Way::kShort;
-  return cut && size > 1 ? size / 2 : size;
-}
+std::size_t part(bool reading, std::size_t size) { return uneven(reading) && size > 1 ? size / 2 : size; }
 
 int openAs(const char* name, int folder, const char* path, int flags, mode_t mode, bool at) {
   if (below(path) && (flags & O_DIRECTORY) == 0 && fails((flags & O_ACCMODE) == O_RDONLY)) return -1;

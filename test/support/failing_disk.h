@@ -8,14 +8,13 @@ namespace mm_test {
 /// by the program and all that it starts.
 struct FailingDiskControl {
   enum class Way : std::int32_t {
-    kOnce,        ///< the n-th operation alone
-    kLasting,     ///< the n-th and all that follow
-    kShort,       ///< each gives, or takes, half of what was asked
-    kInterrupted  ///< every second one is interrupted (EINTR)
+    kOnce,     ///< the n-th operation alone
+    kLasting,  ///< the n-th and all that follow
+    kUneven    ///< every second one is interrupted (EINTR), the others give, or take, half of what was asked
   };
   std::atomic<std::int64_t> reads, writes;  ///< so far
   std::atomic<std::int64_t> at;             ///< n; 0: none
-  std::atomic<std::int32_t> what;           ///< 0: nothing fails, 1: reads, 2: writes
+  std::atomic<std::int32_t> what;           ///< 0: nothing fails, 1: reads, 2: writes, 3: both
   std::atomic<Way> way;
   std::atomic<std::int32_t> cause;  ///< errno
 };
