@@ -10,7 +10,16 @@
 namespace mm {
 namespace {
 
-using CommandLine = SessionFolder;
+class CommandLine : public SessionFolder {
+ protected:
+  /// The name of the plan with so many contacts of each ball, instead of 75.
+  static std::string points(int count) {
+    std::string plan = textOf(*folder_ / "plan.yaml");
+    plan.replace(plan.find("points: 75"), 10, "points: " + std::to_string(count));
+    folder_->write("points.yaml", plan);
+    return "points.yaml";
+  }
+};
 
 std::vector<std::string> linesOf(const std::string& text) {
   std::vector<std::string> lines;
@@ -56,8 +65,8 @@ TEST_F(CommandLine, CtrlCKeepsTheBestOfACalibration) {
 
 TEST_F(CommandLine, CtrlCEndsABenchmarkWithWhatItCounted) {
   const Answer answer =
-      stoppedWhen(workedFor(2.0 * std::thread::hardware_concurrency()), *folder_,
-                  "mm-benchmark --plan plan.yaml --trials 100000 --only backlash --contacts 40 --json");
+      stoppedWhen(workedFor(1.0 * std::thread::hardware_concurrency()), *folder_,
+                  "mm-benchmark --plan plan.yaml --trials 100000 --only backlash --contacts 20 --json");
   EXPECT_EQ(answer.status, 130) << answer.error;
   EXPECT_EQ(linesOf(answer.error).size(), 1u) << answer.error;
   ASSERT_FALSE(answer.out.empty());
@@ -65,10 +74,8 @@ TEST_F(CommandLine, CtrlCEndsABenchmarkWithWhatItCounted) {
 }
 
 TEST_F(CommandLine, CtrlCDuringADiagnosisLosesNothing) {
-  std::string plan = textOf(*folder_ / "plan.yaml");  // so long that it is stopped in its middle
-  plan.replace(plan.find("points: 75"), 10, "points: 600");
-  folder_->write("long.yaml", plan);
-  run("simulate --machine three_axis --plan long.yaml --hide backlash:x=3um -o plate.bag");
+  // so long that it is stopped in its middle
+  run("simulate --machine three_axis --plan " + points(600) + " --hide backlash:x=3um -o plate.bag");
   folder_->write("none.yaml", "machine: three_axis\neffects: []\n");
   run("calibrate plate.bag --model none.yaml --method least_squares -o plate.yaml");
   const auto before = files();
@@ -98,10 +105,7 @@ TEST_F(CommandLine, CtrlCEndsAReadThatWaits) {
 }
 
 TEST_F(CommandLine, AddAllGoesTheWholeWay) {
-  std::string plan = textOf(*folder_ / "plan.yaml");
-  plan.replace(plan.find("points: 75"), 10, "points: 25");
-  folder_->write("few.yaml", plan);
-  run("simulate --machine three_axis --plan few.yaml --hide backlash:x=3um --seed 5 -o way.bag");
+  run("simulate --machine three_axis --plan " + points(15) + " --hide backlash:x=3um --seed 5 -o way.bag");
   folder_->write("none.yaml", "machine: three_axis\neffects: []\n");
   run("calibrate way.bag --model none.yaml --method least_squares -o way.yaml");
   const Answer answer = typed("add way.bag --calibration way.yaml --all -o way_end.yaml --json");
@@ -161,7 +165,7 @@ TEST_F(CommandLine, ALeadOfAScrewIsThePeriodThatTheFirstModelFits) {
 TEST_F(CommandLine, ANewMachineWithANewPlanIsExplained) {
   run("machine new --axis x=0:120mm --axis y=0:100mm --axis z=-60:0mm --tip-mm 0,0,-40 -o own.urdf --model "
       "own.yaml");
-  run("plan new --machine own.urdf --balls 3x3 --points 12 -o own_plan.yaml");
+  run("plan new --machine own.urdf --balls 2x2 --points 12 -o own_plan.yaml");
   run("simulate --machine own.urdf --plan own_plan.yaml --hide backlash:y=4um -o own.bag");
   run("calibrate own.bag --model own.yaml --method least_squares -o own_c.yaml");
   const Answer answer = typed("add own.bag --calibration own_c.yaml --all -o own_end.yaml");
@@ -335,7 +339,8 @@ TEST_F(CommandLine, ALinearModelNeedsNoSearch) {
 
 /// What check says cannot be shown, diagnose does not find.
 TEST_F(CommandLine, CheckAndDiagnoseAgreeOnTheRadiusOfTheProbe) {
-  run("simulate --machine three_axis --plan plan.yaml --hide probe_radius=4um --seed 6 -o radius.bag");
+  run("simulate --machine three_axis --plan " + points(20) +
+      " --hide probe_radius=4um --seed 6 -o radius.bag");
   const nlohmann::json check = typed("check radius.bag --json").json();
   for (const nlohmann::json& hidden : check["cannot_show"])
     EXPECT_NE(hidden["effect"]["type"], "probe_radius") << hidden;

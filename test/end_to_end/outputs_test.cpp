@@ -48,9 +48,10 @@ TEST_F(Outputs, NoOutputReplacesAnInputHoweverItIsNamed) {
     fs::create_hard_link(*folder_ / input, *folder_ / hard);
     std::vector<std::string> names = {input, "sub/../" + input, hard};
     if (mm_test::thoroughTests()) names.insert(names.end(), {"./" + input, *folder_ / input, soft});
-    for (const std::string& name : names)
-      for (const char* force : {"", " --force"})
-        expectRefused(command + name + force, {name, "another file"});
+    for (const std::string& name : names) {
+      expectRefused(command + name + " --force", {name, "another file"});
+      if (name == input || mm_test::thoroughTests()) expectRefused(command + name, {name, "another file"});
+    }
     fs::remove(*folder_ / soft);
     fs::remove(*folder_ / hard);
   }
