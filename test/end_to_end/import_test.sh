@@ -1,16 +1,12 @@
 #!/usr/bin/env bash
 # `mm import` as a user types it: exit status, one line on standard error, nothing half-written.
 set -u
+source "$(dirname "${BASH_SOURCE[0]}")/told.sh"
 mm="${MM:?path of mm}"
 work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
 cd "$work"
 
-check() {  # check <name> <condition …>
-  local name="$1"
-  shift
-  if "$@"; then echo "ok $name"; else echo "not ok $name"; fi
-}
 # refused <name> <words in the message> <arguments of mm …>
 refused() {
   local name="$1" words="$2" status=0

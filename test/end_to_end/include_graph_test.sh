@@ -1,15 +1,10 @@
 #!/usr/bin/env bash
 # The folders of src follow each other as docs/architecture.md says, and scripts/include_graph notices where they do not.
 set -u
+source "$(dirname "${BASH_SOURCE[0]}")/told.sh"
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)"
 work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
-
-check() {  # check <name> <condition …>
-  local name="$1"
-  shift
-  if "$@"; then echo "ok $name"; else echo "not ok $name"; fi
-}
 
 "$root/scripts/include_graph" >"$work/out" 2>"$work/err"
 check 'no cycle, no ROS in the core' [ "$?" -eq 0 ]

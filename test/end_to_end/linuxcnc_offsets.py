@@ -10,6 +10,8 @@ import subprocess
 import sys
 import tempfile
 
+from told import say
+
 PROGRAM = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts", "linuxcnc_offsets")
 sys.dont_write_bytecode = True
 loader = importlib.machinery.SourceFileLoader("linuxcnc_offsets", PROGRAM)
@@ -23,10 +25,6 @@ FILE = {
     "sensors": ["frame"], "reference_degC": {"frame": 20.0},
     "offset_mm": {"x": [-0.001, -0.001, 0.0, 0.0, 0.001, 0.001] * 2, "y": [0.0] * 12, "z": [0.0] * 12},
     "offset_mm_per_K": {"frame": {"x": [0.0] * 12, "y": [0.0] * 12, "z": [0.002] * 12}}}
-
-
-def say(good, what, why=""):
-    print(("ok " if good else "not ok ") + what + ("" if good or not why else ": " + str(why)), flush=True)
 
 
 def run(*words, optimised=False):

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # `rosrun measuring_machine mm`, as README says it: after the README's own build, and in a catkin workspace.
 set -u
+source "$(dirname "${BASH_SOURCE[0]}")/told.sh"
 mm="$(realpath "${MM:?path of mm}")"
 source_folder="$(pwd)"
 work="$(mktemp -d)"
@@ -8,11 +9,6 @@ trap 'rm -rf "$work"' EXIT
 export PATH="/usr/bin:$PATH" ROS_HOME="$work/ros_home"
 unset ROS_PACKAGE_PATH CMAKE_PREFIX_PATH
 
-check() {  # check <name> <condition …>
-  local name="$1"
-  shift
-  if "$@"; then echo "ok $name"; else echo "not ok $name"; fi
-}
 version="mm $(sed -n 's|.*<version>\(.*\)</version>.*|\1|p' package.xml)"
 # The package as it lies after the README's build: `build` is where that leaves it, whatever folder this test runs in.
 package="$work/measuring_machine"

@@ -15,15 +15,11 @@ import urllib.request
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
 from browser import Browser  # noqa: E402
+from told import THOROUGH, check
 
 MM = os.environ["MM"]
 VIEWS = ["import", "session", "compare", "diagnose", "ledger", "correct", "measure", "heat", "history"]
 SCREENS = [(1280, "light"), (400, "dark"), (1280, "dark"), (400, "light")]  # every day each width and each colour once
-THOROUGH = any(os.environ.get(name, "0") not in ("", "0") for name in ("MM_THOROUGH_TESTS", "MM_LONG_TESTS"))
-
-
-def check(name, true, said=""):
-    print("%s %s%s" % ("ok" if true else "not ok", name, "" if true or not said else ": %s" % (said,)), flush=True)
 
 
 def mm(*arguments):

@@ -14,14 +14,11 @@ import urllib.request
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
 import failing_disk  # noqa: E402
+from told import check
 
 MM = os.environ["MM"]
 LIBRARY = os.path.realpath(os.path.join(os.path.dirname(MM), "..", "libfailing_disk.so"))
 ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", ".."))
-
-
-def check(name, true, why=""):
-    print("%s %s%s" % ("ok" if true else "not ok", name, "" if true else ": %s" % (why,)), flush=True)
 
 
 def mm(*words, folder=None):

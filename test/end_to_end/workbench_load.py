@@ -8,11 +8,11 @@ import subprocess
 import tempfile
 import time
 
+from told import LONG, check
 from workbench_clients import (PATIENCE, RATE, Address, Honest, announced, bombs, endless, flood_with_token, flood_without_token, foreigners,
                                formulas, slow_loris)
 
 MM = os.environ["MM"]
-LONG = os.environ.get("MM_LONG_TESTS", "0") not in ("", "0")
 SECONDS = float(os.environ.get("MM_LOAD_SECONDS", "10" if LONG else "1"))
 PLAN = """name: short
 artifact:
@@ -24,10 +24,6 @@ artifact:
     - {name: b1, centre_mm: [13.0, 8.0, 2.0], radius_mm: 3.9685}
 touch: {features: all, points: 12, cone_deg: 90}
 """
-
-
-def check(name, true, said=""):
-    print("%s %s%s" % ("ok" if true else "not ok", name, "" if true or not said else ": %s" % (said,)), flush=True)
 
 
 class Server:
