@@ -96,7 +96,8 @@ def offsets_arrive():
 class Machine:
     def __init__(self, folder):
         import linuxcnc
-        self.shell, self.commands, self.manual = Shell(), linuxcnc.command(), linuxcnc.MODE_MANUAL  # linuxcncrsh cannot unhome
+        # linuxcncrsh cannot unhome, and looks every tenth of a second whether a block has ended
+        self.shell, self.commands, self.manual, self.mdi = Shell(), linuxcnc.command(), linuxcnc.MODE_MANUAL, linuxcnc.MODE_MDI
         self.offsets = os.path.exists(os.path.join(folder, "external_offsets.hal"))
 
     def on(self):
@@ -136,11 +137,15 @@ class Machine:
             self.home()
         else:
             raise SystemExit("what is '%s'?" % what)
-        self.shell.send("set mode mdi")
+        self.takes_blocks()
+
+    def takes_blocks(self):
+        self.commands.mode(self.mdi)
+        self.commands.wait_complete()
 
     def go(self, places):
         for place in places:
-            self.shell.send("set mdi G1 X%.4f Y%.4f Z%.4f F3000" % tuple(place))
+            self.commands.mdi("G1 X%.4f Y%.4f Z%.4f F3000" % tuple(place))
             wait_until(lambda: all(abs(pin("axis.%s.pos-cmd" % a) - p) < 1e-6 for a, p in zip("xyz", place)),
                        "the machine does not go to %s" % (place,))
 
@@ -161,7 +166,7 @@ def drive(folder, steps):
     machine.shell.send("set estop off")
     machine.on()
     machine.home()
-    machine.shell.send("set mode mdi")
+    machine.takes_blocks()
     for step in steps:
         if "first" in step:
             machine.do(step["first"])
