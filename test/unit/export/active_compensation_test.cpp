@@ -12,7 +12,7 @@
 #include "base/units.h"
 #include "compensation_support.h"
 #include "export/export_folder.h"
-#include "export/export_page.h"
+#include "folder_without_figures.h"
 
 namespace mm {
 namespace {
@@ -51,13 +51,10 @@ ExportOptions fineUnits() {
   return options;
 }
 
-/// The folder that `mm export` writes.
 std::vector<ExportedFile> folderOf(const Calibration& calibration, const std::string& target) {
   const ExportTarget& to = exportTarget(target);
   const NeededCorrection needed(calibration, {});
-  const Exported exported = exportedFor(to, needed, fineUnits());
-  Representability judged = representability(calibration, to, fineUnits(), needed, exported);
-  return exportFolderOf(calibration, to, needed, exported, judged);
+  return test::folderWithoutFigures(calibration, to, needed, exportedFor(to, needed, fineUnits()));
 }
 
 class Folder {
