@@ -87,11 +87,12 @@ TEST(Coverage, OfMachinesDrawnFromTheDistribution) {
   std::mt19937_64 random(2026);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> place(-10.0, 14.0);  // y goes down to -15 mm
-  constexpr int kMachines = 500;
+  const int tasks = mm_test::thoroughTests() ? 10 : 4, machines = 50 * tasks;
+  const double scatter = std::sqrt(0.95 * 0.05 / machines);
   int inside[2] = {0, 0}, asked[2] = {0, 0}, ofBall[4] = {0, 0, 0, 0};
-  // Ten distances and ten balls, each measured by fifty machines.
-  for (int task = 0; task < 20; ++task) {
-    const bool ball = task >= 10;
+  // Ten distances and ten balls, every day four, each measured by fifty machines.
+  for (int task = 0; task < 2 * tasks; ++task) {
+    const bool ball = task >= tasks;
     char text[160];
     if (ball)
       std::snprintf(text, sizeof text, "ball:%.3f,%.3f,%.3f,4", place(random), place(random), place(random));
@@ -101,7 +102,7 @@ TEST(Coverage, OfMachinesDrawnFromTheDistribution) {
     const auto measured = test::taskOf(text, c);
     const TaskUncertainty u = test::uncertaintyFor(text, c, {}, 20000, 7);
     ASSERT_TRUE(u.outside.empty()) << u.outside.front();
-    for (int m = 0; m < kMachines / 10; ++m) {
+    for (int m = 0; m < 50; ++m) {
       Calibration truth = c;
       Eigen::VectorXd z(root.cols());
       for (double& v : z) v = normal(random);
@@ -125,15 +126,13 @@ TEST(Coverage, OfMachinesDrawnFromTheDistribution) {
     const double share = static_cast<double>(inside[ball]) / asked[ball];
     std::printf("%s: %.1f %% of %d measurements within k = 2\n",
                 ball != 0 ? "diameter of balls" : "distances", 100.0 * share, asked[ball]);
-    EXPECT_EQ(asked[ball], kMachines);
-    EXPECT_GE(share, 0.93);
-    EXPECT_LE(share, 0.97);
+    EXPECT_EQ(asked[ball], machines);
+    EXPECT_NEAR(share, 0.95, 2.05 * scatter);
   }
   for (int q = 1; q < 4; ++q) {
-    const double share = static_cast<double>(ofBall[q]) / kMachines;
+    const double share = static_cast<double>(ofBall[q]) / machines;
     std::printf("centre of balls, %c: %.1f %%\n", "dxyz"[q], 100.0 * share);
-    EXPECT_GE(share, 0.93);
-    EXPECT_LE(share, 0.975);
+    EXPECT_NEAR(share, 0.9525, 2.3 * scatter);
   }
 }
 
