@@ -65,7 +65,7 @@ void evidence(benchmark::State& state) {
     const mm::Groups groups = mm::QuestionList::causes(space).all();
     mm::NoiseModel noise;
     noise.variance = Eigen::VectorXd::Ones(rows.rows.rows());
-    const mm::Evidence all(rows.rows, groups, noise, {});
+    const mm::Evidence all(rows.rows, groups, noise, {}, {});
     const auto gains = all.gains(all.given({}));
     byEvidence.causes = static_cast<int>(gains.size());
     byEvidence.best = groups.groups[static_cast<std::size_t>(gains[0].group)].key;

@@ -154,11 +154,11 @@ std::vector<int> numbersOf(const std::vector<std::pair<int, int>>& both) {
 /// evidence of a cause: at each position (the graduation of a scale, a tooth of a rack), in each run or pass
 /// (an instrument that was touched, a zero that was set anew), at each stop of a rotary axis (its clamp).
 void addErrorsOfAxes(Questions& q) {
-  // As seldom as a curve without a name, of which it is the one that is not smooth: what is smooth is met by
-  // fewer numbers, and tells more.
-  constexpr double kAsACurve = 7.6;  // nats: ln(100 / 0.05), of some hundred causes
+  // met as often as a usual cause, of some hundred; what is smooth is met by fewer numbers, and tells
+  // more: of few positions along a line a curve through all of them
+  constexpr double kAsACause = 4.6;  // nats: ln(100)
   constexpr double kAsScatter = 1.5;
-  constexpr int kFewestPositions = 5, kFewestRuns = 3;
+  constexpr int kFewestPositions = 10, kFewestAngles = 5, kFewestRuns = 3;
   const Problem& problem = q.space->problem();
   const auto count = static_cast<int>(problem.session().observations.size());
   const std::vector<int> runs = runNumbers(problem);
@@ -171,8 +171,9 @@ void addErrorsOfAxes(Questions& q) {
       passes.emplace_back(runs[o], problem.state(o).travel[joint] < 0.0);
       stops.push_back(o == 0 ? 0 : stops.back() + (positions[o] != positions[o - 1]));
     }
-    addShared(q, joint, {kPositionsOf, positions, kFewestPositions, 2, kAsACurve, linear});
-    if (!linear) addShared(q, joint, {kStopsOf, stops, kFewestPositions, 1, kAsScatter, false});
+    addShared(q, joint,
+              {kPositionsOf, positions, linear ? kFewestPositions : kFewestAngles, 2, kAsACause, linear});
+    if (!linear) addShared(q, joint, {kStopsOf, stops, kFewestAngles, 1, kAsScatter, false});
     addShared(q, joint, {kRunsOf, runs, kFewestRuns, 1, kAsScatter, true});
     addShared(q, joint, {kPassesOf, numbersOf(passes), 2 * kFewestRuns, 1, kAsScatter, true});
   }

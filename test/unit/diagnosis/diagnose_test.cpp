@@ -259,6 +259,21 @@ TEST(Diagnose, OutliersNeitherHideAnEffectNorBecomeOne) {
   EXPECT_GE(d.base.outliers.size(), 8u);
 }
 
+// A ball that came loose: nothing was missing, for what showed it had been set aside
+TEST(Diagnose, BadReadingsOfOneBallAloneAreTold) {
+  Simulation s = measured({}, 5);
+  std::vector<Observation>& all = s.session.observations;
+  int moved = 0;
+  for (std::size_t i = all.size(); i-- > 0 && moved < 5;)
+    if (all[i].feature == 5 && ++moved > 0)
+      for (int k = 0; k < 3; ++k) all[i].position[k] += 10e-6 * all[i].approach[k];
+  const Diagnosis d = diagnosed(s.session);
+  EXPECT_TRUE(d.missing.empty()) << d.sentence;
+  EXPECT_EQ(d.verdict, Verdict::kScatter) << d.sentence;
+  EXPECT_EQ(d.outliers.inCommon, "of " + s.session.artifact.features[5].name) << d.sentence;
+  EXPECT_NE(d.sentence.find("--keep-outliers"), std::string::npos) << d.sentence;
+}
+
 TEST(Diagnose, ExchangedNamesAreAskedAboutBeforeAnyCause) {
   Simulation s = measured({"backlash:x=3um"}, 5);
   for (Observation& o : s.session.observations)

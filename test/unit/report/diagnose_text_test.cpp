@@ -386,7 +386,7 @@ TEST(DiagnoseJson, NothingIsNanOrInfinite) {
   d.profiles[0].curve[3][2] = nan;
   d.profiles[0].heldOutAfter = inf;
   d.drift = {{"x", nan, inf, {{growth("x"), nan, nan}}, ""}};
-  d.artifactScatter = {{"form", nan, "", ""}};
+  d.artifactScatter = {{"form", nan, false, ""}};
   d.noise = nan;
   const std::string text = diagnoseJson(told(d));
   for (const char* word : {"nan", "NaN", "inf,", "Infinity"}) EXPECT_FALSE(has(text, word)) << text;
