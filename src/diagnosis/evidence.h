@@ -47,7 +47,7 @@ class Evidence {
     std::vector<WhitenedRows::Sized> members;
     WhitenedRows::Joint joint;
   };
-  Given given(const std::vector<Member>& members) const;
+  Given given(const std::vector<Member>& members) const;  ///< beside these
 
   /// The best shape and size of a group beside what is given.
   Gain gainOf(const Given& given, int group) const;

@@ -29,7 +29,7 @@ struct Setting {
     int joint = -1, body = -1, covariate = -1;
     int component = -1;  // of workpiece: 0, 1, 2 of x, y, z
   };
-  const Named& at(const std::string& key) const;
+  const Named& at(const std::string& key) const;  ///< what this key of the source names
 
   HiddenSource source;
   std::vector<Named> named;          // in the order of the keys
@@ -48,7 +48,7 @@ struct Instant {
   const Condition& now;
 
   double number(const std::string& name) const { return setting.source.number(name); }  ///< as stated, SI
-  int joint(const std::string& key = "axis") const { return setting.at(key).joint; }
+  int joint(const std::string& key = "axis") const { return setting.at(key).joint; }    ///< its number
   double drive(const std::string& key = "axis") const { return now.drive[joint(key)]; }
   double slide(const std::string& key = "axis") const { return now.slide[joint(key)]; }
   double position(const std::string& key) const;  ///< m, from the middle of the session's travel
