@@ -20,7 +20,8 @@ constexpr double kPrice = 3.0;       // nats: as for a drift term
 constexpr double kDatumSize = 5.0;   // of the noise: a displacement of the whole artifact that costs nothing
 constexpr double kDatumSeen = 0.01;  // of a displacement: less is left where the places are unknowns
 constexpr double kSharedSeen = 0.1;  // of columns: less is left where a table or a zero of each is an unknown
-constexpr int kMostForm = 120;       // columns of form: each costs as much as an unknown
+constexpr double kAsACause = 4.6;  // nats: what an axis has for itself is met as often as one of some hundred
+constexpr int kMostForm = 120;     // columns of form: each costs as much as an unknown
 constexpr int kLowest = 2, kHighest = 6;
 constexpr int kHarmonics = (kHighest + 1) * (kHighest + 1) - kLowest * kLowest;
 
@@ -97,7 +98,6 @@ struct Shared {
   std::vector<int> numbers;  // an observation: which error it has
   int fewest = 0;            // errors: fewer are met by what else is asked
   int again = 1;             // how often each must be met: once is told by the time as well
-  double nats = 0.0;         // see RandomBlock
   bool readings = false;     // of instruments only
 };
 
@@ -137,7 +137,7 @@ void addShared(Questions& q, int joint, const Shared& shared) {
         (q.directionScale.empty() ? 1.0 : space.fitted().sigma[row]) * g(row, layout.axis(joint)) / lever;
   RowMatrix whitened = space.whiten(columns);
   if (!(space.leftOf(whitened).norm() > kSharedSeen * whitened.norm())) return;
-  q.scatter.push_back({std::move(whitened), 0.0, kPrice, false, shared.nats});
+  q.scatter.push_back({std::move(whitened), 0.0, kPrice, false, kAsACause});
   q.scatterNames.push_back(shared.name + problem.session().machine.joints()[joint].name);
 }
 
@@ -154,10 +154,7 @@ std::vector<int> numbersOf(const std::vector<std::pair<int, int>>& both) {
 /// evidence of a cause: at each position (the graduation of a scale, a tooth of a rack), in each run or pass
 /// (an instrument that was touched, a zero that was set anew), at each stop of a rotary axis (its clamp).
 void addErrorsOfAxes(Questions& q) {
-  // met as often as a usual cause, of some hundred; what is smooth is met by fewer numbers, and tells
-  // more: of few positions along a line a curve through all of them
-  constexpr double kAsACause = 4.6;  // nats: ln(100)
-  constexpr double kAsScatter = 1.5;
+  // what is smooth is met by fewer numbers, and tells more: of few positions along a line a curve through all
   constexpr int kFewestPositions = 10, kFewestAngles = 5, kFewestRuns = 3;
   const Problem& problem = q.space->problem();
   const auto count = static_cast<int>(problem.session().observations.size());
@@ -171,11 +168,10 @@ void addErrorsOfAxes(Questions& q) {
       passes.emplace_back(runs[o], problem.state(o).travel[joint] < 0.0);
       stops.push_back(o == 0 ? 0 : stops.back() + (positions[o] != positions[o - 1]));
     }
-    addShared(q, joint,
-              {kPositionsOf, positions, linear ? kFewestPositions : kFewestAngles, 2, kAsACause, linear});
-    if (!linear) addShared(q, joint, {kStopsOf, stops, kFewestAngles, 1, kAsScatter, false});
-    addShared(q, joint, {kRunsOf, runs, kFewestRuns, 1, kAsScatter, true});
-    addShared(q, joint, {kPassesOf, numbersOf(passes), 2 * kFewestRuns, 1, kAsScatter, true});
+    addShared(q, joint, {kPositionsOf, positions, linear ? kFewestPositions : kFewestAngles, 2, linear});
+    if (!linear) addShared(q, joint, {kStopsOf, stops, kFewestAngles, 1, false});
+    addShared(q, joint, {kRunsOf, runs, kFewestRuns, 1, true});
+    addShared(q, joint, {kPassesOf, numbersOf(passes), 2 * kFewestRuns, 1, true});
   }
 }
 
