@@ -246,6 +246,8 @@ std::string afterwards(const Diagnosis& d, const std::string& session, const std
     return "\nType next, to see what the session can show:\n  mm check " + bagsTyped(session) + "\n";
   if (d.verdict == Verdict::kExplained && d.variations.empty())
     return "\nType next:\n  mm promote " + quoted(calibration) + "\n";
+  if (d.verdict == Verdict::kScatter && !d.outliers.inCommon.empty())
+    return "\nType next:\n  " + diagnoseCommand(session, calibration) + " --keep-outliers\n";
   if (const ArtifactScatter* of = ofAnAxis(d);
       d.verdict == Verdict::kScatter && of != nullptr && !of->correctedBy.type.empty())
     return "\nType next:\n  " + addLine(of->correctedBy, session, calibration) + "\n";

@@ -93,6 +93,9 @@ TEST(DiagnoseText, EveryVerdictEndsWithALineToType) {
   EXPECT_TRUE(ends(textOf(d), "'{type: backlash, axis: y}' -o plate2.yaml\n")) << textOf(d);
   d = verdict(Verdict::kScatter);
   EXPECT_TRUE(ends(textOf(d), report)) << textOf(d);
+  d.outliers = {7, 18e-6, "of b5"};
+  EXPECT_TRUE(ends(textOf(d), again + " --keep-outliers\n")) << textOf(d);
+  d.outliers = {};
   d.base.repeatabilityFrom = "estimated";
   EXPECT_TRUE(ends(textOf(d), again + " --repeatability-um STD\n")) << textOf(d);
   d = verdict(Verdict::kQuestion);
