@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# needs the computer first: LinuxCNC moves in real time on a kernel that keeps none
+# needs the computer alone: LinuxCNC moves in real time on a kernel that keeps none
 # Exported tables in a headless LinuxCNC, run by an ordinary user: where its motors stand is, by the full model, where it was commanded.
 set -u
 mm="$(realpath "${MM:?path of mm}")"
