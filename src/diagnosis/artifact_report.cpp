@@ -1,7 +1,9 @@
-// What is told of the artifact: how its balls scatter, and where it lies as a whole.
+// What is told of the artifact and of what an axis has for itself: how balls scatter, where they lie as a
+// whole, what differs from position to position, run to run, stop to stop.
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "base/units.h"
 #include "diagnosis/answers.h"
@@ -85,10 +87,10 @@ void fillShared(const Search& search, const Explanation& found, std::size_t bloc
                 ": its clamp, brake or drive does not hold it; touch more at each stop, or tighten it";
   } else {
     const std::string kind = is(kRunsOf) ? "run" : "pass";
-    s.inWords =
-        "the zero of " + joint.name + " shifts from " + kind + " to " + kind + ", " + largest + " in " +
-        kind + " " + std::to_string(most + 1) +
-        ": the instrument or the part moved, or a zero was set anew; give each run a setup of its own";
+    s.inWords = "the zero of " + joint.name + " shifts from " + kind + " to " + kind + ", " + largest +
+                " in " + kind + " " + std::to_string(most + 1) +
+                ": the instrument or the part moved, or a zero was set anew; give each " + kind +
+                " a setup of its own";
   }
 }
 

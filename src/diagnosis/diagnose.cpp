@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -121,25 +122,30 @@ class Diagnoser {
 
   /// Bad readings come one at a time and anywhere: what came together was no bad reading.
   OutliersSetAside outliersOf(const CalibrationResult& fitted) const {
-    constexpr int kFewest = 3;
+    constexpr double kByChance = 0.01;  // that so many bad readings have a ball in common
+    constexpr int kFewest = 3;          // of which one after the other is no accident in any session
     const Problem& problem = *fitted.problem;
     const auto& all = session_.observations;
     Eigen::VectorXd known = Eigen::VectorXd::Ones(problem.rowCount());
     leaveOutUnknownTravel(known);
     OutliersSetAside out;
-    std::set<int> observations, features;
+    std::set<int> observations;
+    std::map<int, int> ofFeature, setAsideOf;  // observations
+    for (std::size_t o = 0; o < all.size(); ++o)
+      ofFeature[all[o].feature] += problem.uses(static_cast<int>(o));
     for (int i = 0; i < problem.rowCount(); ++i) {
       const int o = problem.rows()[i].observation;
       if (fitted.weight[i] > 0.0 || known[i] == 0.0 || !problem.uses(o)) continue;
-      observations.insert(o);
-      features.insert(all[o].feature);
+      if (observations.insert(o).second) ++setAsideOf[all[o].feature];
       out.largest = std::max(out.largest, std::abs(fitted.residuals[i]));
     }
     out.readings = static_cast<int>(observations.size());
     if (out.readings < kFewest) return out;
     const auto& balls = session_.artifact.features;
-    if (features.size() == 1 && *features.begin() >= 0 && balls.size() > 1)
-      out.inCommon = "of " + balls[static_cast<std::size_t>(*features.begin())].name;
+    const int feature = setAsideOf.begin()->first;
+    const double share = ofFeature[feature] / static_cast<double>(all.size());
+    if (setAsideOf.size() == 1 && feature >= 0 && std::pow(share, out.readings - 1) < kByChance)
+      out.inCommon = "of " + balls[static_cast<std::size_t>(feature)].name;
     else if (*observations.rbegin() - *observations.begin() + 1 == out.readings)
       out.inCommon = "one after the other";
     return out;

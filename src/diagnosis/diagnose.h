@@ -172,8 +172,8 @@ struct NotJudged {
 struct OutliersSetAside {
   int readings = 0;
   double largest = 0.0;  // m (rad), magnitude
-  /// What three or more have in common, and others have not: "of ball b5", "one after the other"; empty:
-  /// nothing.
+  /// What so many have in common by chance in one session of a hundred at the most: "of b5", "one after the
+  /// other"; empty: nothing.
   std::string inCommon;
 };
 

@@ -347,10 +347,8 @@ std::string certificatePage(const Certificate& c) {
   std::string html =
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
       "content=\"width=device-width, initial-scale=1\">\n<meta http-equiv=\"Content-Security-Policy\" "
-      "content=\"default-src "
-      "'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'\">\n<link "
-      "rel=\"icon\" "
-      "href=\"data:,\">\n<title>" +
+      "content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action "
+      "'none'\">\n<link rel=\"icon\" href=\"data:,\">\n<title>" +
       title + " " + escapedHtml(c.number) + " – measuring machine certificate</title>\n<style>" + "\n" +
       webFile("certificate.css") +
       footOfPage(isSimulated(k) ? title + ", " + kSimulatedNotice : title, c.number) +
@@ -368,8 +366,8 @@ std::string certificatePage(const Certificate& c) {
   if (!c.tasks.empty()) {
     html += sectionHead("Predicted: uncertainty of measurements with the corrected machine") +
             "<p>Each task was simulated on the machine that the calibration describes. None was measured, "
-            "and these "
-            "figures are no results of an acceptance test.</p>\n";
+            "and these figures "
+            "are no results of an acceptance test.</p>\n";
     html += conditionsSection(c);
     for (const CertifiedTask& task : c.tasks) html += taskSection(task);
   }
@@ -383,21 +381,18 @@ std::string certificatePage(const Certificate& c) {
           ".</figcaption></figure>\n";
   }
   html += compensationSection(k) + historySection(k) + storeSection(c);
-  html += "<section class=\"together\">" + sectionHead("Authenticity") + "<p>Calibration file: CRC-64 " +
-          escapedHtml(c.checksum) +
-          ". The last line of this file holds it, the number of this issue, the hash of the session, and the "
-          "SHA-256 of "
-          "everything before it; <code>mm certificate --check</code> compares the content with this "
-          "checksum, and "
-          "calibration and session, where they are available, with what it names. The checksum has no key: "
-          "it shows "
-          "an accidental change, not who made one. A digital certificate (<code>-o certificate.xml "
-          "--sign</code>) "
-          "is protected by a signature.</p>\n<div "
-          "class=\"sign\"><div>Date</div><div>" +
-          (c.facts.authorisedBy.empty() ? std::string("Authorised by: not stated")
-                                        : "Authorised by: " + escapedHtml(c.facts.authorisedBy)) +
-          "</div></div>\n</section>\n</main>\n</body>\n</html>\n";
+  html +=
+      "<section class=\"together\">" + sectionHead("Authenticity") + "<p>Calibration file: CRC-64 " +
+      escapedHtml(c.checksum) +
+      ". The last line of this file holds it, the number of this issue, the hash of the session, and the "
+      "SHA-256 of everything before it; <code>mm certificate --check</code> compares the content with this "
+      "checksum, and calibration and session, where they are available, with what it names. The checksum "
+      "has no key: it shows an accidental change, not who made one. A digital certificate (<code>-o "
+      "certificate.xml --sign</code>) is protected by a signature.</p>\n<div class=\"sign\"><div>Date"
+      "</div><div>" +
+      (c.facts.authorisedBy.empty() ? std::string("Authorised by: not stated")
+                                    : "Authorised by: " + escapedHtml(c.facts.authorisedBy)) +
+      "</div></div>\n</section>\n</main>\n</body>\n</html>\n";
   return html;
 }
 

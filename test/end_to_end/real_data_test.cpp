@@ -105,12 +105,12 @@ TEST(RealData, FrameThermal) {
   EXPECT_NEAR(calibrated(work, csv, frame)["rms_um"].get<double>(), 42.9, 0.05);
 }
 
-std::string everySixthRow(const TestFolder& work, const std::string& csv) {
+std::string everySecondRow(const TestFolder& work, const std::string& csv) {
   std::istringstream lines(textOf(csv));
   std::string line, rows;
   for (int number = 1; std::getline(lines, line); ++number)
-    if (number % 6 == 1) rows += line + "\n";
-  return work.write("every_sixth_row.csv", rows);
+    if (number == 1 || number % 2 == 0) rows += line + "\n";
+  return work.write("every_second_row.csv", rows);
 }
 
 TEST(RealData, FrameThermalDiagnosisNamesNothingTwice) {
@@ -118,7 +118,7 @@ TEST(RealData, FrameThermalDiagnosisNamesNothingTwice) {
   const TestFolder work;
   const std::string csv = mm_test::thoroughTests()
                               ? (folder / "z_against_temperatures.csv").string()
-                              : everySixthRow(work, folder / "z_against_temperatures.csv");
+                              : everySecondRow(work, folder / "z_against_temperatures.csv");
   calibrated(work, csv, "  - {type: thermal_growth, direction: z, sensor: frame}\n",
              "--method least_squares");
   const std::string diagnose = "diagnose " + work / "s.bag" + " --calibration " + work / "c.yaml" + " --json";

@@ -274,6 +274,23 @@ TEST(Diagnose, BadReadingsOfOneBallAloneAreTold) {
   EXPECT_NE(d.sentence.find("--keep-outliers"), std::string::npos) << d.sentence;
 }
 
+// Of two balls three bad readings are as well by chance all of one
+TEST(Diagnose, ThreeBadReadingsOfOneOfTwoBallsMayBeChance) {
+  Simulation s = measured({}, 5);
+  std::vector<Observation> all;
+  for (const Observation& o : s.session.observations)
+    if (o.feature < 2) all.push_back(o);
+  int moved = 0, seen = 0;
+  for (std::size_t i = all.size(); i-- > 0 && moved < 3;)
+    if (all[i].feature == 1 && ++seen % 4 == 0 && ++moved > 0)
+      for (int k = 0; k < 3; ++k) all[i].position[k] += 15e-6 * all[i].approach[k];
+  s.session.observations = all;
+  s.session.prepare();
+  const Diagnosis d = diagnosed(s.session);
+  EXPECT_EQ(d.outliers.readings, 3) << d.sentence;
+  EXPECT_EQ(d.outliers.inCommon, "") << d.sentence;
+}
+
 TEST(Diagnose, ExchangedNamesAreAskedAboutBeforeAnyCause) {
   Simulation s = measured({"backlash:x=3um"}, 5);
   for (Observation& o : s.session.observations)
