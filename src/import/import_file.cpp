@@ -43,7 +43,7 @@ std::optional<TableForm> asOwnFormat(const TextFile& file, const Machine& machin
 
 std::string ownUnit(const CsvColumn& c) {
   if (c.role == CsvRole::kFeature || c.role == CsvRole::kSetup || c.role == CsvRole::kPlacement ||
-      c.role == CsvRole::kStylus)
+      c.role == CsvRole::kStylus || c.role == CsvRole::kDirection)
     return "";
   if (c.role == CsvRole::kTemperature || c.role == CsvRole::kCovariate) return c.unit;
   return parseUnit(splitUnit(c.header).unitText, std::nullopt).value_or(Unit{}).symbol;
@@ -57,6 +57,34 @@ void showOwnRows(const TextFile& file, const TableForm& form, Imported& imported
     if (trim(line).empty() || !splitCells(line, cells, form.separator)) continue;
     imported.rows.push_back(shownCells(cells, form.columns.size()));
   }
+}
+
+/// The motion to each reading of which a direction of travel was told, not assumed. How fast the machine came
+/// was not recorded; a bag tells directions by the sign of a velocity.
+std::vector<MotionSample> motionTold(const Session& session) {
+  constexpr double kDirectionOnly = 1e-9;
+  std::vector<MotionSample> motion;
+  const auto assumed = [&](int j) {
+    return std::any_of(session.assumed.begin(), session.assumed.end(),
+                       [&](const AssumedInput& a) { return a.joint == session.machine.joints()[j].name; });
+  };
+  double before = -1.0;
+  for (const Observation& o : session.observations) {
+    MotionSample sample;
+    sample.time = 0.5 * (before + o.time);
+    before = o.time;
+    sample.position = o.position;
+    sample.velocity.assign(o.position.size(), 0.0);
+    bool any = false;
+    for (int j = 0; j < session.machine.jointCount(); ++j) {
+      const bool told = (o.velocity[j] == 0.0 || std::isnan(o.velocity[j])) && !assumed(j);
+      if (!told || o.travel[j] == 0.0) continue;
+      sample.velocity[j] = kDirectionOnly * o.travel[j];
+      any = true;
+    }
+    if (any) motion.push_back(std::move(sample));
+  }
+  return motion;
 }
 
 void readOwn(const TextFile& file, const TableForm& form, const Machine& machine, const Artifact* artifact,
@@ -80,6 +108,7 @@ void readOwn(const TextFile& file, const TableForm& form, const Machine& machine
     imported.columns[i].upper = r.upper;
     imported.columns[i].first = r.first;
   }
+  imported.motion = motionTold(reading.session);
   imported.session = std::move(reading.session);
 }
 
@@ -193,29 +222,7 @@ void finishImport(ImportContext& context, Session session) {
   if (session.observations.empty()) return context.refuse("no row holds a measurement");
   session.prepare();
   assumeTravel(session);
-  const auto assumed = [&](int j) {
-    return std::any_of(session.assumed.begin(), session.assumed.end(),
-                       [&](const AssumedInput& a) { return a.joint == session.machine.joints()[j].name; });
-  };
-  double before = -1.0;
-  for (const Observation& o : session.observations) {
-    // How fast the machine came to the target was not recorded; a bag tells directions by the sign of a
-    // velocity.
-    constexpr double kDirectionOnly = 1e-9;
-    MotionSample sample;
-    sample.time = 0.5 * (before + o.time);
-    before = o.time;
-    sample.position = o.position;
-    sample.velocity.assign(o.position.size(), 0.0);
-    bool any = false;
-    for (int j = 0; j < session.machine.jointCount(); ++j) {
-      const bool told = o.velocity[j] == 0.0 || (std::isnan(o.velocity[j]) && !assumed(j));
-      if (!told || o.travel[j] == 0.0) continue;
-      sample.velocity[j] = kDirectionOnly * o.travel[j];
-      any = true;
-    }
-    if (any) context.imported.motion.push_back(std::move(sample));
-  }
+  context.imported.motion = motionTold(session);
   context.imported.session = std::move(session);
 }
 

@@ -324,6 +324,19 @@ TEST_F(Understanding, AHeadingNamesTheAxis) {
   EXPECT_THAT(::testing::PrintToString(i.notes), HasSubstr("the axis that line 1 names"));
 }
 
+/// A bag has no directions but velocities: without motion the next reader would assume them.
+TEST_F(Understanding, DirectionsInTheOwnFormatGoIntoTheBag) {
+  const Imported i =
+      importer_.text("time_s,x_mm,direction_x,deviation_x_um\n0,400,+,-2.3\n8,300,+,1.5\n16,350,-,1.9\n");
+  ASSERT_EQ(i.how, "the package's own columns");
+  EXPECT_EQ(i.columns[2].unit, "");
+  ASSERT_EQ(i.motion.size(), 3u);
+  EXPECT_GT(i.motion[1].velocity[0], 0.0) << "though it came from above";
+  EXPECT_LT(i.motion[2].velocity[0], 0.0);
+  const Imported untold = importer_.text("time_s,x_mm,deviation_x_um\n0,400,-2.3\n8,300,1.5\n16,350,1.9\n");
+  EXPECT_TRUE(untold.motion.empty());
+}
+
 /// Each line that is proposed can be copied as it stands, and so can the one that has them all.
 TEST_F(Understanding, SeveralColumnsGetOneLineForAll) {
   const std::string csv =
