@@ -64,8 +64,8 @@ struct State {
 struct Error {
   double* reading = nullptr;  // a joint: added to its reading
   double* atJoint =
-      nullptr;            // six a joint: translation and rotation before its motion, its fixed side's axes
-  double volume[3] = {};  // displacement of the tip, in workpiece
+      nullptr;  // six a joint: translation and rotation of its axis, in the axes of its side towards the bed
+  double volume[3] = {};       // displacement of the tip, in workpiece
   double orientation[3] = {};  // rotation of the probe about its tip, in workpiece
   double probe[3] = {};        // displacement in the axes of probe_tip
   double laserReading = 0.0;   // added to the laser's reading

@@ -1,54 +1,11 @@
 #include "machine/iso230_axes.h"
 
-#include <tinyxml2.h>
-
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <map>
 
 namespace mm {
 namespace {
-
-struct Parent {
-  std::string link, joint;
-};
-
-/// Of each link that has a parent.
-std::map<std::string, Parent> parentsOf(const std::string& urdf) {
-  std::map<std::string, Parent> parents;
-  tinyxml2::XMLDocument document;
-  if (document.Parse(urdf.c_str(), urdf.size()) != tinyxml2::XML_SUCCESS) return parents;
-  const tinyxml2::XMLElement* robot = document.FirstChildElement("robot");
-  if (robot == nullptr) return parents;
-  for (auto* joint = robot->FirstChildElement("joint"); joint != nullptr;
-       joint = joint->NextSiblingElement("joint")) {
-    const tinyxml2::XMLElement *parent = joint->FirstChildElement("parent"),
-                               *child = joint->FirstChildElement("child");
-    const char* name = joint->Attribute("name");
-    if (parent == nullptr || child == nullptr || name == nullptr) continue;
-    const char *above = parent->Attribute("link"), *below = child->Attribute("link");
-    if (above != nullptr && below != nullptr) parents[below] = {above, name};
-  }
-  return parents;
-}
-
-/// Moving joints between the workpiece and the bed.
-int jointsBeforeBed(const Machine& machine) {
-  const std::map<std::string, Parent> parents = parentsOf(machine.urdf());
-  std::vector<std::string> aboveTip = {"probe_tip"};
-  for (auto up = parents.find("probe_tip"); up != parents.end(); up = parents.find(up->second.link))
-    aboveTip.push_back(up->second.link);
-  int joints = 0;
-  std::string link = "workpiece";
-  while (std::find(aboveTip.begin(), aboveTip.end(), link) == aboveTip.end()) {
-    const auto up = parents.find(link);
-    if (up == parents.end()) break;
-    if (machine.findJoint(up->second.joint) >= 0) ++joints;
-    link = up->second.link;
-  }
-  return joints;
-}
 
 /// The n-th axis, counted from 0, that moves along (about) axis k of the workpiece.
 std::string axisLetter(JointKind kind, int k, std::size_t n) {
@@ -72,7 +29,8 @@ std::vector<Eigen::Matrix3d> fixedSides(const Machine& machine) {
   machine.measure(q.data(), 0.0, errors.data(), &gradient);
   std::vector<Eigen::Matrix3d> sides;
   for (int j = 0; j < machine.jointCount(); ++j)
-    sides.emplace_back(gradient.block<3, 3>(0, at.jointTranslation(j, 0)));
+    sides.emplace_back(gradient.block<3, 3>(3, at.jointRotation(j, 0)) *
+                       (j < machine.tableJoints() ? -1.0 : 1.0));
   return sides;
 }
 
@@ -105,7 +63,7 @@ std::vector<Iso230Axis> iso230Axes(const Machine& machine) {
 
 std::string kinematicChain(const Machine& machine) {
   const std::vector<Iso230Axis> axes = iso230Axes(machine);
-  const auto bed = static_cast<std::size_t>(jointsBeforeBed(machine));
+  const auto bed = static_cast<std::size_t>(machine.tableJoints());
   std::string chain = "w";
   for (std::size_t j = 0; j < axes.size(); ++j) {
     if (j == bed) chain += "-b";

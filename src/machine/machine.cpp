@@ -2,7 +2,7 @@
 
 #include <tinyxml2.h>
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <kdl/chain.hpp>
 #include <kdl/tree.hpp>
 #include <kdl_parser/kdl_parser.hpp>
@@ -43,6 +43,23 @@ Limits limitsOf(const tinyxml2::XMLElement* robot, const std::string& joint) {
   return limits;
 }
 
+/// Moving joints from `workpiece` up to the link that carries both it and `probe_tip`.
+int jointsBelowTheBed(const KDL::Tree& tree) {
+  const auto linksAbove = [](KDL::SegmentMap::const_iterator link, KDL::SegmentMap::const_iterator root) {
+    std::vector<KDL::SegmentMap::const_iterator> above{link};
+    while (above.back() != root) above.push_back(GetTreeElementParent(above.back()->second));
+    return above;
+  };
+  const auto carriers = linksAbove(tree.getSegment("probe_tip"), tree.getRootSegment());
+  int joints = 0;
+  for (const auto& link : linksAbove(tree.getSegment("workpiece"), tree.getRootSegment())) {
+    if (std::find(carriers.begin(), carriers.end(), link) != carriers.end()) break;
+    const KDL::Joint::JointType type = GetTreeElementSegment(link->second).getJoint().getType();
+    if (type != KDL::Joint::None && type != KDL::Joint::Fixed) ++joints;
+  }
+  return joints;
+}
+
 }  // namespace
 
 Machine::Machine(std::string urdf, std::string name) : name_(std::move(name)), urdf_(std::move(urdf)) {
@@ -61,6 +78,7 @@ Machine::Machine(std::string urdf, std::string name) : name_(std::move(name)), u
         "machine '" + name_ +
         "': no chain from link 'workpiece' to link 'probe_tip'; both links must exist in the URDF");
 
+  tableJoints_ = jointsBelowTheBed(tree);
   // A KDL segment is a joint at its origin followed by a fixed transform; fixed parts are gathered before
   // each joint.
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
@@ -151,24 +169,29 @@ ProbePose Machine::measure(const double* q, double laserReading, const double* e
                            Eigen::Matrix<double, 6, Eigen::Dynamic>* gradient) const {
   const ErrorLayout at = layout();
   const auto vector = [&](int first) { return Eigen::Map<const Eigen::Vector3d>(errors + first); };
-  Eigen::Vector3d origins[kMaxJoints], axes[kMaxJoints];
+  Eigen::Vector3d origins[kMaxJoints], pivots[kMaxJoints], axes[kMaxJoints];
   Eigen::Matrix3d frames[kMaxJoints];
 
   ProbePose pose;
   for (int j = 0; j < jointCount(); ++j) {
     const Link& link = links_[j];
     link.appendTo(pose);
-    origins[j] = pose.position;
-    frames[j] = pose.orientation;
-    pose.position += pose.orientation * vector(at.jointTranslation(j, 0));
-    const Eigen::Vector3d twist = vector(at.jointRotation(j, 0));
-    if (!twist.isZero(0.0)) pose.orientation = pose.orientation * rotationBy(twist);
+    const auto displace = [&](double sign) {
+      frames[j] = sign * pose.orientation;
+      pose.position += frames[j] * vector(at.jointTranslation(j, 0));
+      origins[j] = pose.position;
+      const Eigen::Vector3d twist = sign * vector(at.jointRotation(j, 0));
+      if (!twist.isZero(0.0)) pose.orientation = pose.orientation * rotationBy(twist);
+    };
+    if (j >= tableJoints_) displace(1.0);
+    pivots[j] = pose.position;
     axes[j] = pose.orientation * link.axis;
     const double moved = q[j] + errors[at.axis(j)];
     if (joints_[j].kind == JointKind::kLinear)
       pose.position += axes[j] * moved;
     else
       pose.orientation = pose.orientation * Eigen::AngleAxisd(moved, link.axis).toRotationMatrix();
+    if (j < tableJoints_) displace(-1.0);  // seen from the workpiece the bed goes the other way
   }
   tip_.appendTo(pose);
 
@@ -188,13 +211,12 @@ ProbePose Machine::measure(const double* q, double laserReading, const double* e
   for (int j = 0; j < jointCount(); ++j) {
     gradient->block<3, 3>(0, at.jointTranslation(j, 0)) = frames[j];
     gradient->block<3, 3>(3, at.jointRotation(j, 0)) = frames[j];
-    const Eigen::Vector3d pivot = origins[j] + frames[j] * vector(at.jointTranslation(j, 0));
     for (int k = 0; k < 3; ++k)
-      gradient->block<3, 1>(0, at.jointRotation(j, k)) = frames[j].col(k).cross(rigid - pivot);
+      gradient->block<3, 1>(0, at.jointRotation(j, k)) = frames[j].col(k).cross(rigid - origins[j]);
     if (joints_[j].kind == JointKind::kLinear) {
       gradient->block<3, 1>(0, at.axis(j)) = axes[j];
     } else {
-      gradient->block<3, 1>(0, at.axis(j)) = axes[j].cross(rigid - pivot);
+      gradient->block<3, 1>(0, at.axis(j)) = axes[j].cross(rigid - pivots[j]);
       gradient->block<3, 1>(3, at.axis(j)) = axes[j];
     }
   }

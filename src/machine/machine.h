@@ -26,8 +26,8 @@ class ErrorLayout {
  public:
   explicit ErrorLayout(int joints) : joints_(joints) {}  ///< number of joints of the machine
   int axis(int joint) const { return joint; }            ///< added to the reading of a joint
-  /// Translation and rotation at a joint, before its motion, in the axes of the joint's fixed side (ISO
-  /// 230-1).
+  /// Translation and rotation of a joint's axis, in the axes of the joint's fixed side, that towards the bed
+  /// (ISO 230-1).
   int jointTranslation(int joint, int k) const { return joints_ + 6 * joint + k; }
   int jointRotation(int joint, int k) const { return joints_ + 6 * joint + 3 + k; }
   int volume(int k) const { return 7 * joints_ + k; }  ///< displacement of the tip, in workpiece
@@ -72,6 +72,7 @@ class Machine {
   const std::string& urdf() const { return urdf_; }                    ///< its text, whole
   const std::vector<Joint>& joints() const { return joints_; }         ///< from workpiece to probe_tip
   int jointCount() const { return static_cast<int>(joints_.size()); }  ///< moving joints
+  int tableJoints() const { return tableJoints_; }  ///< the first ones, which carry the workpiece on the bed
   /// @return index of a joint, or -1.
   int findJoint(const std::string& name) const;
   ErrorLayout layout() const { return ErrorLayout(jointCount()); }
@@ -112,6 +113,7 @@ class Machine {
   };
   std::string name_, urdf_;
   std::vector<Joint> joints_;
+  int tableJoints_ = 0;
   std::vector<Link> links_;
   Link tip_;  // after the last moving joint
 };

@@ -14,6 +14,7 @@ Chain::Chain(const Machine& machine) {
   Eigen::Matrix<double, 6, Eigen::Dynamic> gradient;
   zero_ = machine.measure(q.data(), std::numeric_limits<double>::quiet_NaN(), none.data(), &gradient);
   const ErrorLayout at = machine.layout();
+  tableJoints_ = machine.tableJoints();
   for (int j = 0; j < machine.jointCount(); ++j) {
     // The joint's place follows from how the tip moves under a small rotation at its fixed side: dp = w x
     // (tip - origin).
@@ -38,12 +39,16 @@ ProbePose Chain::pose(const std::vector<double>& slides, const Distortion& d) co
   for (int j = 0; j < jointCount(); ++j) {
     const Place& place = joints_[j];
     const double travel = slides[j] + d.travel[j];
-    if (!d.tilt[j].isZero(0.0) || !d.shift[j].isZero(0.0))
-      then(rotationBy(d.tilt[j]), place.origin, d.shift[j]);
+    const auto displace = [&](double sign) {
+      if (!d.tilt[j].isZero(0.0) || !d.shift[j].isZero(0.0))
+        then(rotationBy(sign * d.tilt[j]), place.origin, sign * d.shift[j]);
+    };
+    if (j >= tableJoints_) displace(1.0);
     if (place.kind == JointKind::kLinear)
       moved += turned * place.axis * travel;
     else
       then(rotationBy(place.axis * travel), place.origin, Eigen::Vector3d::Zero());
+    if (j < tableJoints_) displace(-1.0);
   }
   ProbePose pose;
   pose.orientation = turned * zero_.orientation;

@@ -34,6 +34,7 @@ class Chain {
     Eigen::Vector3d origin, axis;
   };
   std::vector<Place> joints_;
+  int tableJoints_ = 0;  // the first ones: their fixed side is that of the tip
   ProbePose zero_;
 };
 

@@ -18,7 +18,7 @@ struct Condition {
 };
 
 /// The errors at one instant, added up over all sources. Vectors at a joint are in the axes of workpiece with
-/// all joints at zero, and act at the joint's fixed side, before its motion. Units: m, rad.
+/// all joints at zero, and act on the joint's side towards the bed. Units: m, rad.
 struct Distortion {
   /// Nothing distorted. @param joints of the machine.
   explicit Distortion(int joints)

@@ -25,6 +25,19 @@ Eigen::Vector3d laserEquation(const Eigen::Vector3d& reading, double a, double b
   return q10 + r21 * (r32 * (t * lmn + q43) + q32);
 }
 
+constexpr const char* kMiddle = R"(<robot name="m">
+  <link name="base"/><link name="table"/><link name="workpiece"/><link name="column"/><link name="arm"/><link name="probe_tip"/>
+  <joint name="turn" type="revolute"><parent link="base"/><child link="table"/>
+    <origin xyz="0.3 -0.1 0.2" rpy="0.1 0.2 0.3"/><axis xyz="0 0.6 0.8"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+  <joint name="slide" type="prismatic"><parent link="table"/><child link="workpiece"/>
+    <origin xyz="0.05 0.06 0.07" rpy="-0.2 0.4 0.1"/><axis xyz="1 0 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+  <joint name="lift" type="prismatic"><parent link="base"/><child link="column"/>
+    <origin xyz="-0.2 0.1 0.4" rpy="0.3 -0.1 0.2"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+  <joint name="swing" type="continuous"><parent link="column"/><child link="arm"/>
+    <origin xyz="0.1 0.2 -0.1" rpy="0.5 0.1 -0.3"/><axis xyz="0 1 0"/></joint>
+  <joint name="mount" type="fixed"><parent link="arm"/><child link="probe_tip"/><origin xyz="0.01 0.02 0.15" rpy="0.2 0 0.1"/></joint>
+</robot>)";
+
 TEST(ThreeAxis, positiveReadingsMoveTheTipAlongTheWorkpiece) {
   const Machine machine = Machine::load("three_axis");
   ASSERT_EQ(machine.jointCount(), 3);
@@ -98,7 +111,7 @@ class Gradient : public testing::TestWithParam<std::tuple<const char*, bool, dou
 
 TEST_P(Gradient, agreesWithCentralDifferencesInEverySlot) {
   const auto [name, laser, size] = GetParam();
-  const Machine machine = Machine::load(name);
+  const Machine machine = std::string(name) == "middle" ? Machine(kMiddle, name) : Machine::load(name);
   const ErrorLayout at = machine.layout();
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> u(-1, 1);
@@ -128,8 +141,8 @@ TEST_P(Gradient, agreesWithCentralDifferencesInEverySlot) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Machines, Gradient,
-                         testing::Combine(testing::Values("three_axis", "five_axis"), testing::Bool(),
-                                          testing::Values(0.0, 1e-4)));
+                         testing::Combine(testing::Values("three_axis", "five_axis", "middle"),
+                                          testing::Bool(), testing::Values(0.0, 1e-4)));
 
 TEST(Measure, withoutErrorsIsNominal) {
   const Machine machine = Machine::load("five_axis");
@@ -154,22 +167,35 @@ TEST(Measure, axisErrorsAreExactlyAddedToTheReading) {
   EXPECT_LT((expected.position - measured.position).norm(), 1e-15);
 }
 
-constexpr const char* kMiddle = R"(<robot name="m">
-  <link name="base"/><link name="table"/><link name="workpiece"/><link name="column"/><link name="arm"/><link name="probe_tip"/>
-  <joint name="turn" type="revolute"><parent link="base"/><child link="table"/>
-    <origin xyz="0.3 -0.1 0.2" rpy="0.1 0.2 0.3"/><axis xyz="0 0.6 0.8"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
-  <joint name="slide" type="prismatic"><parent link="table"/><child link="workpiece"/>
-    <origin xyz="0.05 0.06 0.07" rpy="-0.2 0.4 0.1"/><axis xyz="1 0 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
-  <joint name="lift" type="prismatic"><parent link="base"/><child link="column"/>
-    <origin xyz="-0.2 0.1 0.4" rpy="0.3 -0.1 0.2"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
-  <joint name="swing" type="continuous"><parent link="column"/><child link="arm"/>
-    <origin xyz="0.1 0.2 -0.1" rpy="0.5 0.1 -0.3"/><axis xyz="0 1 0"/></joint>
-  <joint name="mount" type="fixed"><parent link="arm"/><child link="probe_tip"/><origin xyz="0.01 0.02 0.15" rpy="0.2 0 0.1"/></joint>
-</robot>)";
-
 Eigen::Isometry3d origin(double x, double y, double z, double r, double p, double w) {
   return Eigen::Translation3d(x, y, z) * Eigen::AngleAxisd(w, Eigen::Vector3d::UnitZ()) *
          Eigen::AngleAxisd(p, Eigen::Vector3d::UnitY()) * Eigen::AngleAxisd(r, Eigen::Vector3d::UnitX());
+}
+
+TEST(Measure, anErrorOfATablesAxisIsOnItsSideTowardsTheBed) {
+  const Machine machine(kMiddle, "middle");
+  ASSERT_EQ(machine.tableJoints(), 2);
+  const int turn = machine.findJoint("turn");
+  std::vector<double> q(4, 0.0), errors(machine.layout().size(), 0.0);
+  const Eigen::Vector3d shift(3e-6, -2e-6, 5e-6), tilt(4e-6, 1e-6, -3e-6);
+  for (int k = 0; k < 3; ++k) {
+    errors[machine.layout().jointTranslation(turn, k)] = shift[k];
+    errors[machine.layout().jointRotation(turn, k)] = tilt[k];
+  }
+  for (const double angle : {-0.9, 0.0, 0.7}) {
+    q[turn] = angle;
+    q[machine.findJoint("slide")] = 0.2;
+    // the table from the bed: seat, error of the axis, rotation; the tip does not move with it
+    const Eigen::Isometry3d seat = origin(0.3, -0.1, 0.2, 0.1, 0.2, 0.3);
+    const Eigen::Isometry3d carried = Eigen::AngleAxisd(angle, Eigen::Vector3d(0.0, 0.6, 0.8)) *
+                                      origin(0.05, 0.06, 0.07, -0.2, 0.4, 0.1) *
+                                      Eigen::Translation3d(0.2, 0.0, 0.0);
+    const Eigen::Isometry3d wrong =
+        Eigen::Translation3d(shift) * Eigen::AngleAxisd(tilt.norm(), tilt.normalized());
+    const Eigen::Vector3d tip = machine.nominal(q.data(), kTouch).position;
+    const Eigen::Vector3d expected = (seat * wrong * carried).inverse() * (seat * carried * tip);
+    EXPECT_LT((machine.measure(q.data(), kTouch, errors.data()).position - expected).norm(), 1e-10) << angle;
+  }
 }
 
 TEST(Chain, mayHaveTheWorkpieceInTheMiddleOfTheTree) {
