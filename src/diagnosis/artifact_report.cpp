@@ -7,6 +7,7 @@
 
 #include "base/units.h"
 #include "diagnosis/answers.h"
+#include "diagnosis/shape_maker.h"
 #include "diagnosis/wording.h"
 #include "effects/registry.h"
 
@@ -83,8 +84,26 @@ void fillShared(const Search& search, const Explanation& found, std::size_t bloc
     s.inWords = "the error of " + joint.name + " differs from position to position, " + largest + place +
                 ", the same in each run: " + errorsOfPositions(s);
   } else if (is(kStopsOf)) {
-    s.inWords = joint.name + " stops elsewhere each time, " + largest + place +
-                ": its clamp, brake or drive does not hold it; touch more at each stop, or tighten it";
+    const std::vector<int> stood = positionNumbers(problem, number);
+    int stops = 1;
+    for (std::size_t o = 1; o < stood.size(); ++o) stops += stood[o] != stood[o - 1];
+    const bool again = stops > distinctPositions(problem, number);
+    s.inWords =
+        again
+            ? joint.name + " stops elsewhere each time, " + largest + place +
+                  ": its clamp, brake or drive does not hold it; touch more at each stop, or tighten it"
+            : "the error of " + joint.name + " differs from stop to stop, " + largest + place +
+                  ": its scale or bearing at these angles, or its clamp, which one stop at each cannot tell "
+                  "apart; come back to the same angles";
+  } else if (is(kScaleOf)) {
+    double sum = 0.0, farthest = 0.0;
+    for (const double step : fit.values) {
+      sum += step;
+      if (std::abs(sum) > std::abs(farthest)) farthest = sum;
+    }
+    s.inWords = "the scale of " + joint.name + " wanders during the session, by up to " +
+                errorInWords(std::abs(farthest * ofOne), s.angular) +
+                " at the ends of its travel: log the temperatures of its scale or screw and of the part";
   } else {
     const std::string kind = is(kRunsOf) ? "run" : "pass";
     s.inWords = "the zero of " + joint.name + " shifts from " + kind + " to " + kind + ", " + largest +

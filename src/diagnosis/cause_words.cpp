@@ -25,6 +25,12 @@ std::string sizeInWords(const CandidateResult& c, bool angular) {
   const auto& p = c.parameters;
   if (p.size() == 1 || (p.size() == 2 && (p[1].unit == "s" || p[1].unit == "min" || p[1].unit == "h")))
     return expanded(p[0].value, p[0].std, p[0].unit);
+  constexpr std::size_t kFew = 4;
+  std::string each;
+  for (const NamedValue& v : p)
+    if (p.size() <= kFew && std::abs(v.value) > 2.0 * v.std)
+      each += (each.empty() ? "" : ", ") + spaced(v.name) + " " + expanded(v.value, v.std, v.unit);
+  if (!each.empty()) return each;
   return c.size > 0.0 ? errorInWords(c.size, angular) + " RMS" : "";
 }
 

@@ -102,6 +102,7 @@ constexpr const char* kPositionsOf = "positions of ";
 constexpr const char* kRunsOf = "runs of ";
 constexpr const char* kPassesOf = "passes of ";  // a run in one direction
 constexpr const char* kStopsOf = "stops of ";
+constexpr const char* kScaleOf = "scale of ";
 
 /// Scatter that belongs to places: deviations of the artifact's balls from the file in position, radius or
 /// form; of an axis from position to position, the same in each run; or from run to run, or stop to stop.

@@ -1,11 +1,11 @@
 // What scatters in every session of balls, and is no cause: their centres, radii and form.
 #include <Eigen/Core>
 #include <algorithm>
-#include <boost/math/special_functions/spherical_harmonic.hpp>
 #include <cmath>
 #include <map>
 
 #include "base/dense.h"
+#include "base/range.h"
 #include "base/units.h"
 #include "diagnosis/model_shapes.h"
 #include "diagnosis/search.h"
@@ -38,9 +38,8 @@ Eigen::Matrix<double, 1, kHarmonics> formAt(const Eigen::Vector3d& n) {
     const double share = std::sqrt(1.0 / (l * l) / total / (2 * l + 1));
     for (int m = -l; m <= l; ++m) {
       const auto order = static_cast<unsigned>(std::abs(m)), degree = static_cast<unsigned>(l);
-      const double part =
-          m < 0 ? boost::math::spherical_harmonic_i(degree, static_cast<int>(order), polar, azimuth)
-                : boost::math::spherical_harmonic_r(degree, static_cast<int>(order), polar, azimuth);
+      const double part = std::sph_legendre(degree, order, polar) *
+                          (m < 0 ? std::sin(order * azimuth) : std::cos(order * azimuth));
       h[at++] = share * std::sqrt(4.0 * kPi) * (m == 0 ? 1.0 : std::sqrt(2.0)) * part;
     }
   }
@@ -141,6 +140,41 @@ void addShared(Questions& q, int joint, const Shared& shared) {
   q.scatterNames.push_back(shared.name + problem.session().machine.joints()[joint].name);
 }
 
+/// The scale of a linear axis that wanders while it is read, as that of a screw whose temperature nobody
+/// logs: a random walk, in parts of the session of as many readings each. What rises and falls with it by
+/// chance is no cause.
+void addWanderingScale(Questions& q, int joint) {
+  constexpr int kMostParts = 30, kFewestParts = 6, kFewestReadings = 4;
+  const ResidualSpace& space = *q.space;
+  const Problem& problem = space.problem();
+  const int slot = problem.model().machine().layout().axis(joint);
+  const Eigen::MatrixXd& g = space.linearisation().slotGradients();
+  std::vector<int> rows;
+  Range travel;
+  for (const int row : space.used()) {
+    const int o = problem.rows()[row].observation;
+    const ObservationKind kind = problem.session().observations[o].kind;
+    if ((kind != ObservationKind::kDeviation && kind != ObservationKind::kPosition) || g(row, slot) == 0.0)
+      continue;
+    rows.push_back(row);
+    travel.add(problem.state(o).position[joint]);
+  }
+  const auto count = static_cast<int>(rows.size()), parts = std::min(kMostParts, count / kFewestReadings);
+  if (parts < kFewestParts || !(travel.size() > kStoodStill)) return;
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(problem.rowCount(), parts);
+  for (int i = 0; i < count; ++i) {
+    const int row = rows[static_cast<std::size_t>(i)];
+    const double position = problem.state(problem.rows()[row].observation).position[joint];
+    const double along = (position - travel.lower) / travel.size();
+    columns.row(row)
+        .head(1 + i * parts / count)
+        .setConstant((q.directionScale.empty() ? 1.0 : space.fitted().sigma[row]) * g(row, slot) *
+                     (2.0 * along - 1.0));
+  }
+  q.scatter.push_back({RowMatrix(space.whiten(columns)), 0.0, kPrice, false, kAsACause});
+  q.scatterNames.push_back(kScaleOf + problem.session().machine.joints()[joint].name);
+}
+
 /// Each observation's number of two that are told together.
 std::vector<int> numbersOf(const std::vector<std::pair<int, int>>& both) {
   std::map<std::pair<int, int>, int> known;
@@ -172,6 +206,7 @@ void addErrorsOfAxes(Questions& q) {
     if (!linear) addShared(q, joint, {kStopsOf, stops, kFewestAngles, 1, false});
     addShared(q, joint, {kRunsOf, runs, kFewestRuns, 1, true});
     addShared(q, joint, {kPassesOf, numbersOf(passes), 2 * kFewestRuns, 1, true});
+    if (linear) addWanderingScale(q, joint);
   }
 }
 

@@ -1,6 +1,6 @@
 #include "diagnosis/shape_maker.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -218,7 +218,26 @@ RowMatrix ShapeMaker::columnsOf(const Effect& effect, const std::vector<double>&
             std::to_string(space_.rows()) + " residuals";
     return {};
   }
-  return linearColumns(effect, all);
+  RowMatrix columns = linearColumns(effect, all);
+  if (settlesAtOnce(effect, nonlinear, columns)) why = "it settles before there are readings that show it";
+  return columns;
+}
+
+/// Whether a process of this time constant is over so soon that hardly a reading differs from what it comes
+/// to.
+bool ShapeMaker::settlesAtOnce(const Effect& effect, const std::vector<double>& nonlinear,
+                               const RowMatrix& columns) const {
+  constexpr double kReadings = 3.0;  // that it is not there yet, added up: a mean of fewer says little
+  const std::vector<int>& at = effect.nature().nonlinear;
+  if (at.size() != 1 || nonlinear.empty()) return false;
+  const Parameter& constant = effect.parameters()[static_cast<std::size_t>(at.front())];
+  if (constant.unit != "s" || constant.minimum != 0.0) return false;
+  const RowMatrix settled = linearColumns(effect, space_.columns(effect, startsAt(effect, {0.0}), nullptr));
+  double missing = 0.0;
+  for (int i = 0; i < space_.rows(); ++i)
+    if (const double whole = settled.row(i).norm(); whole > 0.0)
+      missing += (settled.row(i) - columns.row(i)).norm() / whole;
+  return missing < kReadings && settled.topRows(space_.rows()).norm() > 0.0;
 }
 
 /// What gives the largest column a unit root mean square after projection; the others keep their

@@ -54,6 +54,8 @@ class ShapeMaker {
   static bool isSeen(const Eigen::Ref<const RowMatrix, 0, Eigen::OuterStride<>>& raw, double sine,
                      double cosine, double both);
   RowMatrix columnsOf(const Effect& effect, const std::vector<double>& nonlinear, std::string& why) const;
+  bool settlesAtOnce(const Effect& effect, const std::vector<double>& nonlinear,
+                     const RowMatrix& columns) const;
   double scaleOf(const Eigen::Ref<const RowMatrix, 0, Eigen::OuterStride<>>& raw, const Eigen::VectorXd& left,
                  std::string& why) const;
   void weightByPriors(const Effect& effect, Eigen::VectorXd left, MadeShape& made) const;

@@ -18,11 +18,6 @@ const YAML::Node& words() {
   return all;
 }
 
-std::string spaced(std::string text) {
-  std::replace(text.begin(), text.end(), '_', ' ');
-  return text;
-}
-
 std::string valueOf(const EffectSpec::Value& value) {
   std::string text;
   for (std::size_t i = 0; i < value.items.size(); ++i)
@@ -72,6 +67,11 @@ std::string keyInWords(const std::string& key, const EffectSpec::Value& value) {
 }
 
 }  // namespace
+
+std::string spaced(std::string text) {
+  std::replace(text.begin(), text.end(), '_', ' ');
+  return text;
+}
 
 std::string inWords(const EffectSpec& effect) {
   std::string text;

@@ -11,6 +11,9 @@ namespace mm {
 /// has no phrase (a plugin's) is told by its own name and keys.
 std::string inWords(const EffectSpec& effect);
 
+/// A name in words: "time_constant" is "time constant".
+std::string spaced(std::string name);
+
 /// Several effects, as a list: "a, b and c"; of more than `shown`, the first and how many more.
 std::string listInWords(const std::vector<EffectSpec>& effects, std::size_t shown = 4);
 

@@ -37,7 +37,8 @@ std::vector<std::string> momentsOf(const Domain& domain) {
   constexpr int kTimes = 60;
   std::vector<std::string> moments;
   if (!(domain.duration > 0.0)) return moments;
-  for (const double gap : domain.gaps) moments.push_back(format("%.6g", gap));
+  // what differs in one reading alone is an outlier
+  for (std::size_t k = 1; k + 1 < domain.gaps.size(); ++k) moments.push_back(format("%.6g", domain.gaps[k]));
   for (int k = 1; k < kTimes && domain.gaps.empty(); ++k)
     moments.push_back(format("%.6g", domain.duration * k / kTimes));
   return moments;
@@ -58,11 +59,9 @@ Law warmUp(SpecReader& read) {
   const Direction direction = read.direction("direction");
   Law law;
   law.nature.stage = stageOf(direction);
-  law.parameters = {errorParameter("amplitude", direction.quantity),
-                    timeConstant("time_constant", read.domain())};
+  law.parameters = {errorParameter("amplitude", direction.quantity)};
+  settles(law, read.domain());
   law.add = saturation(direction.slot(read.layout()), 1.0);
-  law.starts = timeConstantStarts(read.domain());
-  law.longest = law.starts.back();  // of a slower one the session saw hardly more than a steady drift
   // a machine has more than one time constant: behind the quick one it still creeps
   law.freedom = {{EffectSpec("time_drift").set("direction", direction.name)}};
   return law;
@@ -81,7 +80,8 @@ Law scaleWarmUp(SpecReader& read) {
   law.nature.stage = Stage::kAxis;
   law.nature.met = 0.3;  // an axis that measures moves slowly, and its screw seldom warms
   law.nature.mustMove = {axis};
-  law.parameters = {strain, errorParameter("offset", kind), timeConstant("time_constant", read.domain())};
+  law.parameters = {strain, errorParameter("offset", kind)};
+  settles(law, read.domain());
   law.add = [axis, slot](const State& s, const double* p, ErrorSink& sink) {
     const double tau = p[2], t = s.time, q = s.position[axis];
     const double reached = tau > 0.0 ? -std::expm1(-t / tau) : t > 0.0 ? 1.0 : 0.0 * t;
@@ -90,8 +90,6 @@ Law scaleWarmUp(SpecReader& read) {
     if (sink.wantsDerivatives())
       sink.derivative(slot, 2, tau > 0.0 ? -(p[0] * q + p[1]) * std::exp(-t / tau) * t / (tau * tau) : 0.0);
   };
-  law.starts = timeConstantStarts(read.domain());
-  law.longest = law.starts.back();  // of a slower one the session saw hardly more than a steady change
   return law;
 }
 
@@ -135,10 +133,9 @@ Law tipWear(SpecReader& read) {
                     [](const State& s) { return -s.time; });
   law.nature.shapeKeys = {"slows"};
   if (slows) {
-    law.parameters = {whole, timeConstant("time_constant", read.domain())};
+    law.parameters = {whole};
+    settles(law, read.domain());
     law.add = saturation(slot, -1.0);
-    law.starts = timeConstantStarts(read.domain());
-    law.longest = law.starts.back();  // of a slower one the session saw hardly more than a steady wear
     law.freedom = {{EffectSpec("tip_wear")}};  // the quick wear of a new tip leaves the steady one
     law.variant = "that slows down";
   }

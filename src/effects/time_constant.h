@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "effects/domain.h"
+#include "effects/law.h"
 #include "effects/quantity.h"
 
 namespace mm {
@@ -23,6 +24,14 @@ inline std::vector<double> timeConstantStarts(const Domain& domain) {
   const double duration = std::max(domain.duration, 1.0);
   for (int k = -7; k <= 1; ++k) starts.push_back(std::ldexp(duration, k));
   return starts;
+}
+
+/// Gives a law of what settles after the start its time constant, the last parameter. Of a slower one the
+/// session saw hardly more than a steady change.
+inline void settles(Law& law, const Domain& domain) {
+  law.parameters.push_back(timeConstant("time_constant", domain));
+  law.starts = timeConstantStarts(domain);
+  law.longest = law.starts.back();
 }
 
 }  // namespace mm

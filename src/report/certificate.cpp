@@ -6,6 +6,7 @@
 
 #include "base/format.h"
 #include "compensation/compensator.h"
+#include "effects/effect_words.h"
 #include "machine/joint_units.h"
 
 namespace mm {
@@ -20,9 +21,7 @@ constexpr double kBetween = 0.382;
 
 std::string verifiedInWords(const CalibrationStore::Verified& v) {
   const double unit = v.angular ? kArcsecond : kMicrometre;
-  std::string verdict = v.verdict;
-  std::replace(verdict.begin(), verdict.end(), '_', ' ');
-  return "compared with fresh points: " + verdict +
+  return "compared with fresh points: " + spaced(v.verdict) +
          format(", %.3g ± %.1g → %.3g ± %.1g %s (k = 2) at %d points", v.before / unit,
                 2.0 * v.beforeStd / unit, v.after / unit, 2.0 * v.afterStd / unit,
                 v.angular ? "arcsec" : "µm", v.points) +

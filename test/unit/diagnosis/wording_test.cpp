@@ -114,7 +114,9 @@ TEST(Size, IsTheConstantTheAmplitudeOrTheRms) {
   EXPECT_EQ(sizeInWords(c, false), "amplitude 5.00 ± 0.10 um");
   c.parameters = {{"amplitude", "um", 2.0, 0.1}, {"tau", "s", 600.0, 30.0}};
   EXPECT_EQ(sizeInWords(c, false), "2.00 ± 0.20 um");
-  c.parameters = {{"x", "um", 2.0, 0.1}, {"y", "um", 1.0, 0.1}};
+  c.parameters = {{"x", "um", 2.0, 0.1}, {"y", "um", 0.1, 0.1}, {"z", "um", -1.0, 0.1}};
+  EXPECT_EQ(sizeInWords(c, false), "x 2.00 ± 0.20 um, z -1.00 ± 0.20 um");
+  c.parameters = {{"x", "um", 0.0, 0.1}, {"y", "um", 0.1, 0.1}};
   EXPECT_EQ(sizeInWords(c, false), "0.87 um RMS");
 }
 
