@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -75,6 +76,19 @@ Eigen::MatrixXd triangleOf(Eigen::MatrixXd a) {
       .matrixQR()
       .topRows(rows)
       .triangularView<Eigen::Upper>();
+}
+
+Eigen::MatrixXd orthogonalParts(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(a);
+  return (qr.householderQ().transpose() * b).topRows(std::min(a.rows(), a.cols()));
+}
+
+Eigen::Matrix3d nearestRotation(const Eigen::Matrix3d& a) {
+  const Eigen::Vector3d turn(a(2, 1) - a(1, 2), a(0, 2) - a(2, 0), a(1, 0) - a(0, 1));
+  Eigen::Matrix4d form;
+  form << a.trace(), turn.transpose(), turn, a + a.transpose() - a.trace() * Eigen::Matrix3d::Identity();
+  const Eigen::Vector4d q = SymmetricEigen(form).vectors.col(3);
+  return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
 }
 
 RightSingular::RightSingular(const Eigen::MatrixXd& a) {

@@ -71,12 +71,20 @@ Eigen::MatrixXd pseudoInverse(const Eigen::MatrixXd& a);
 /// r of a = q r with orthonormal columns of q, its first rows only, by QR without pivots.
 Eigen::MatrixXd triangleOf(Eigen::MatrixXd a);
 
+/// qᵀ b of a = q r with orthonormal columns of q, by QR without pivots.
+Eigen::MatrixXd orthogonalParts(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
+
 /// Singular values, descending, and all right singular vectors, a column each.
 struct RightSingular {
   explicit RightSingular(const Eigen::MatrixXd& a);  ///< decomposes it
   Eigen::VectorXd values;
   Eigen::MatrixXd vectors;
 };
+
+/// The rotation r with the largest trace of rᵀ a: of a = Σ to fromᵀ it turns `from` into `to` by least
+/// squares (B. K. P. Horn, J. Opt. Soc. Am. A 4 (1987) 629: its quaternion is the eigenvector of the largest
+/// eigenvalue).
+Eigen::Matrix3d nearestRotation(const Eigen::Matrix3d& a);
 
 /// l with l lᵀ = a, of a symmetric matrix that is positive definite. Its lower triangle counts.
 class Cholesky {

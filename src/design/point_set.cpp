@@ -1,6 +1,6 @@
 #include "design/point_set.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -73,7 +73,7 @@ std::vector<FeatureCoverage> coverFeatures(const Problem& problem) {
     else if (cover.ball && !approaches.empty())
       cover.coneHalfAngle = kPi;  // from all sides
     if (cover.ball && approaches.size() >= 3) {
-      const double weakest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(information).eigenvalues()[0];
+      const double weakest = SymmetricEigen(information).values[0];
       constexpr double kFlat = 1e-9;  // of one contact: no approach has a part along this direction
       if (weakest > kFlat) cover.centrePerNoise = 1.0 / std::sqrt(weakest);
     }

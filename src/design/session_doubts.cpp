@@ -1,6 +1,6 @@
 #include "design/session_doubts.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <set>

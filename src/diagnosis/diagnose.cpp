@@ -1,6 +1,6 @@
 #include "diagnosis/diagnose.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>

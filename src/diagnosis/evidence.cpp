@@ -1,6 +1,6 @@
 #include "diagnosis/evidence.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

@@ -1,6 +1,6 @@
 #include "diagnosis/fine_waves.h"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -47,7 +47,7 @@ double powerOf(const ErrorOfJoint& error, const Eigen::ArrayXd& target, double l
   products(1, 0) = products(0, 1);
   const Eigen::Vector2d by((sine * target).sum(), (cosine * target).sum());
   if (!(products.determinant() > kTiny)) return 0.0;
-  return by.dot(products.ldlt().solve(by));
+  return by.dot(products.inverse() * by);
 }
 
 /// Without what a scale, a straightness or a sag and a backlash would take: beside these a wave may be the

@@ -1,6 +1,6 @@
 #include "diagnosis/held_out.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>

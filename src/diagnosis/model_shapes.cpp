@@ -1,6 +1,6 @@
 #include "diagnosis/model_shapes.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

@@ -1,6 +1,6 @@
 #include "diagnosis/search.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // How large what was found is, by the fit of everything together.
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

@@ -2,13 +2,13 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <boost/math/special_functions/legendre.hpp>
 #include <cmath>
 #include <filesystem>
 #include <set>
 
 #include "base/cancel_scope.h"
 #include "base/dense.h"
+#include "base/legendre.h"
 #include "base/tiny.h"
 #include "base/units.h"
 
@@ -63,7 +63,7 @@ Eigen::MatrixXd termsOf(const Variable& v, int order) {
     double before = 1.0, now = v.values[i];
     for (int k = 1; k <= order; ++k) {
       terms(i, k - 1) = now;
-      const double next = boost::math::legendre_next(static_cast<unsigned>(k), v.values[i], now, before);
+      const double next = nextLegendre(k, v.values[i], now, before);
       before = now;
       now = next;
     }

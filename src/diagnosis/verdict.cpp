@@ -1,9 +1,9 @@
 #include "diagnosis/verdict.h"
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 
+#include "base/distributions.h"
 #include "diagnosis/wording.h"
 
 namespace mm {
@@ -17,7 +17,7 @@ double mostNoise(const CalibrationResult& base) {
   double times = kMoreThanStated;
   if (base.repeatabilityFrom == "repeated" && base.repeated.dof > 0.0) {
     const double dof = base.repeated.dof;
-    times = std::max(times, std::sqrt(dof / boost::math::quantile(boost::math::chi_squared(dof), kByChance)));
+    times = std::max(times, std::sqrt(dof / chiSquaredQuantile(kByChance, dof)));
   }
   return times * base.repeatability;
 }

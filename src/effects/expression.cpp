@@ -6,10 +6,10 @@
 #include <cctype>
 #include <cmath>
 #include <limits>
-#include <regex>
 
 #include "base/error.h"
 #include "base/nearest_name.h"
+#include "base/pattern.h"
 #include "base/units.h"
 
 namespace mm {
@@ -40,7 +40,7 @@ void defineConstants(mu::Parser& parser, const std::vector<std::string>& taken) 
 }
 
 std::string inWords(const mu::ParserError& error, const std::string& text) {
-  std::string message = std::regex_replace(error.GetMsg(), std::regex("( at position \\d+)|\\."), "");
+  std::string message = Pattern("( at position \\d+)|\\.").removedFrom(error.GetMsg());
   std::replace(message.begin(), message.end(), '\n', ' ');
   const int length = static_cast<int>(text.size());
   const int position = error.GetPos() < 0 ? length : std::min(error.GetPos(), length);

@@ -1,6 +1,6 @@
 #include "estimation/calibrate.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

@@ -1,6 +1,6 @@
 #include "estimation/datum.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

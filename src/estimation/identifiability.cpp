@@ -1,6 +1,6 @@
 #include "estimation/identifiability.h"
 
-#include <Eigen/Dense>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 

@@ -1,6 +1,6 @@
 #include "estimation/network_learning.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numeric>

@@ -1,6 +1,6 @@
 #include "estimation/problem.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

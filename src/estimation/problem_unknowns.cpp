@@ -1,5 +1,5 @@
 // What a session and a model make of the problem: its rows and its unknowns.
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

@@ -1,10 +1,10 @@
 #include "estimation/residual_space.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
-#include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
 
+#include "base/distributions.h"
 #include "estimation/noise_fit.h"
 #include "estimation/row_products.h"
 #include "estimation/thin_qr.h"
@@ -85,7 +85,7 @@ double ResidualSpace::mostInOneObservation(Eigen::MatrixXd columns) const {
 double logPValueF(double f, double d1, double d2) {
   constexpr double kSmallest = -700.0;  // what a double can hold
   if (!(f > 0.0) || d1 <= 0.0 || d2 <= 0.0) return 0.0;
-  const double p = boost::math::cdf(boost::math::complement(boost::math::fisher_f(d1, d2), f));
+  const double p = fisherTail(f, d1, d2);
   return p > 0.0 ? std::max(kSmallest, std::log(p)) : kSmallest;
 }
 

@@ -1,15 +1,14 @@
 #include "estimation/robust.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
-#include <boost/math/distributions/normal.hpp>
-#include <boost/math/distributions/students_t.hpp>
-#include <boost/math/statistics/univariate_statistics.hpp>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <numeric>
 
+#include "base/distributions.h"
+#include "base/median.h"
 #include "base/range.h"
 #include "estimation/thin_qr.h"
 #include "estimation/whitened.h"
@@ -111,20 +110,17 @@ double leverageOf(const ThinQr& qr, const Eigen::RowVectorXd& row) {
 
 }  // namespace
 
-double medianOf(std::vector<double> values) {
-  return values.empty() ? 0.0 : boost::math::statistics::median(values);
-}
+double medianOf(std::vector<double> values) { return values.empty() ? 0.0 : median(values); }
 
 double robustSigma(std::vector<double> values) {
   // the median of the absolute values of normal noise is its quantile of 75 %
-  static const double kOfNormal = 1.0 / boost::math::quantile(boost::math::normal(), 0.75);
+  static const double kOfNormal = 1.0 / normalQuantile(0.75);
   for (double& v : values) v = std::abs(v);
   return kOfNormal * medianOf(std::move(values));
 }
 
 double outlyingLimit(int degreesOfFreedom) {
-  const boost::math::students_t t(std::max(1, degreesOfFreedom));
-  return std::max(kSmallest, boost::math::quantile(boost::math::complement(t, 0.5 * kChance)));
+  return std::max(kSmallest, studentLimit(0.5 * kChance, std::max(1, degreesOfFreedom)));
 }
 
 Eigen::VectorXd resolutionSigma(const Problem& problem) {

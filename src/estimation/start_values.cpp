@@ -1,5 +1,5 @@
 // The stages of a calibration before the fit: networks, statement, start.
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <functional>

@@ -1,6 +1,6 @@
 #include "estimation/thin_qr.h"
 
-#include <Eigen/Dense>
+#include <Eigen/QR>
 #include <cmath>
 
 namespace mm {

@@ -1,5 +1,5 @@
 // The stages of a calibration after the fit: uncertainty, repeatability, figures.
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

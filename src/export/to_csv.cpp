@@ -1,7 +1,7 @@
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <limits>
 
+#include "base/dense.h"
 #include "base/format.h"
 #include "base/grid_values.h"
 #include "base/rotation.h"
@@ -68,12 +68,14 @@ CarriageError explained(const std::vector<Eigen::Vector3d>& more, const std::vec
     lever.middleRows<3>(3 * i) = skew(meanArm - arms[i]);  // r x arm
     moved.segment<3>(3 * i) = more[i] - meanMore;
   }
-  Eigen::JacobiSVD<Eigen::MatrixXd> svd(lever, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const Eigen::VectorXd s = svd.singularValues();
+  const RightSingular levers(lever);
+  const Eigen::Vector3d moments = lever.transpose() * moved;
   Eigen::Vector3d rotation = Eigen::Vector3d::Zero();
-  for (Eigen::Index k = 0; k < 3; ++k)
-    if (s[k] > kArms * std::sqrt(n))
-      rotation += svd.matrixV().col(k) * (svd.matrixU().col(k).dot(moved) / s[k]);
+  for (Eigen::Index k = 0; k < levers.values.size(); ++k) {
+    const Eigen::Vector3d axis = levers.vectors.col(k);
+    const double size = levers.values[k];
+    if (size > kArms * std::sqrt(n)) rotation += axis * (axis.dot(moments) / (size * size));
+  }
   CarriageError error;
   error << meanMore - rotation.cross(meanArm), rotation;
   return error;

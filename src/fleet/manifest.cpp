@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <map>
-#include <regex>
 #include <string_view>
 
 #include "base/error.h"
 #include "base/nearest_name.h"
 #include "base/parallel.h"
+#include "base/pattern.h"
 #include "base/text.h"
 #include "base/yaml_mapping.h"
 #include "calibration_file/atomic_file.h"
@@ -124,8 +124,8 @@ std::vector<fs::path> bagsOf(const YamlMapping& entry, const fs::path& folder) {
 /// "2026-01-05" or "2026-01-05T08:30:00Z", in full; a time that the calendar and the clock have.
 std::string dateOf(const YamlMapping& entry) {
   const std::string text = entry.text("date"), whole = text.size() == 10 ? text + "T00:00:00Z" : text;
-  static const std::regex stamp(R"(\d{4}-\d\d-\d\dT\d\d:\d\d:[0-5]\dZ)");  // no leap second
-  if (!std::regex_match(whole, stamp) || !parseCalendar(whole))
+  static const Pattern stamp(R"(\d{4}-\d\d-\d\dT\d\d:\d\d:[0-5]\dZ)");  // no leap second
+  if (!stamp.matches(whole) || !parseCalendar(whole))
     entry.fail("date", "'" + text + "' is not a date; write it as 2026-01-05 or 2026-01-05T08:30:00Z (UTC)");
   return whole;
 }

@@ -7,6 +7,7 @@
 #include <set>
 #include <tuple>
 
+#include "base/distributions.h"
 #include "base/error.h"
 #include "base/range.h"
 #include "fleet/robust_numbers.h"
@@ -100,6 +101,8 @@ std::vector<PopulationPrior> populationPriors(const Fleet& fleet, const std::str
   return priors;
 }
 
-double conflictOf(double chi2, double count) { return count > 0.0 ? chiSquaredTail(chi2, count) : 1.0; }
+double conflictOf(double chi2, double count) {
+  return count > 0.0 ? chiSquaredTail(std::max(0.0, chi2), count) : 1.0;
+}
 
 }  // namespace mm

@@ -1,12 +1,10 @@
 #include "fleet/robust_numbers.h"
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
-#include <boost/math/distributions/normal.hpp>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
 
+#include "base/distributions.h"
 #include "base/median.h"
 #include "base/tiny.h"
 
@@ -69,12 +67,8 @@ double excessScatter(const std::vector<double>& value, const std::vector<double>
 double twoSidedT(double t, double dof) {
   const double size = std::abs(t);
   if (std::isnan(t)) return 1.0;
-  if (!std::isfinite(dof) || dof > 1e6) return 2.0 * cdf(complement(boost::math::normal(), size));
-  return 2.0 * cdf(complement(boost::math::students_t(dof), size));
-}
-
-double chiSquaredTail(double value, double dof) {
-  return cdf(complement(boost::math::chi_squared(dof), std::max(0.0, value)));
+  if (!std::isfinite(dof) || dof > 1e6) return 2.0 * normalBelow(-size);
+  return 2.0 * studentTail(size, dof);
 }
 
 }  // namespace mm

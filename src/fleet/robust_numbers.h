@@ -25,7 +25,5 @@ double excessScatter(const std::vector<double>& value, const std::vector<double>
 /// Probability that Student's t with `dof` degrees of freedom is farther from 0 than `t`, on either side;
 /// accurate far out (1e-300). @param dof may be infinite: the normal distribution.
 double twoSidedT(double t, double dof);
-/// Probability that chi-squared with `dof` degrees of freedom exceeds `value`.
-double chiSquaredTail(double value, double dof);
 
 }  // namespace mm

@@ -2,9 +2,9 @@
 // value a line, lengths in 0.1 µm. Backlash: lr_param.anwahl_losekomp says in which direction the axis moved
 // last before (1 positive, 2 negative); assumed that nothing is added in that direction.
 #include <cmath>
-#include <regex>
 
 #include "base/error.h"
+#include "base/pattern.h"
 #include "base/text.h"
 #include "interpreters/table_sum.h"
 #include "interpreters/targets.h"
@@ -21,12 +21,12 @@ double listUnit(const std::string& joint) {
 
 /// Of the keys kw.… all that are read.
 bool isReadKey(const std::string& key) {
-  static const std::regex known(
+  static const Pattern known(
       R"(kw\.(ssfk\.(unit|interval|kw_startpos|kw_nr_max|bilateral|modulo|table\[\d+\]\.(pos|neg))|)"
       R"(crosscomp\.(unit|last_index|master_ax_nr|table\[\d+\]\.(setpoint|correction))|)"
       R"(crosscomp2\.(unit|interval|last_index_master[12]|start_position_master[12]|master[12]_ax_nr|)"
       R"(table\[\d+\]\[\d+\]\.correction)))");
-  return std::regex_match(key, known);
+  return known.matches(key);
 }
 
 void readList(const std::filesystem::path& file, KeyedValues& list) {

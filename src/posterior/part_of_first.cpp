@@ -1,10 +1,12 @@
 #include "posterior/part_of_first.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 
+#include "base/dense.h"
+#include "base/distributions.h"
 #include "base/units.h"
 
 namespace mm {
@@ -12,8 +14,6 @@ namespace {
 
 constexpr double kExact = 1e-10;         // less than this the sum of two large terms does not tell
 constexpr double kCorrelated = 0.99999;  // more is rounding
-
-double below(double x) { return 0.5 * std::erfc(-x / std::sqrt(2.0)); }
 
 /// Probability that two standard normal variables are below h and k (Drezner and Wesolowsky, J. Stat. Comput.
 /// Simul. 35 (1990)).
@@ -24,7 +24,7 @@ double bothBelow(double h, double k, double correlation) {
     return std::exp(-0.5 * (h * h + k * k - 2.0 * h * k * std::sin(angle)) / (cosine * cosine));
   };
   const double more = boost::math::quadrature::gauss<double, 20>::integrate(density, 0.0, end);
-  return below(h) * below(k) + more / (2.0 * kPi);
+  return normalBelow(h) * normalBelow(k) + more / (2.0 * kPi);
 }
 
 /// Logarithm of that probability: where it is too small to be computed, its bound by the most probable place
@@ -60,8 +60,7 @@ Sizes logPartOfFirst(const Eigen::MatrixXd& products, const Eigen::VectorXd& tar
     const double square = sizeGrid()[s] * sizeGrid()[s];
     Eigen::MatrixXd posterior = square * products;
     posterior.diagonal().array() += 1.0;
-    const Eigen::MatrixXd inverse =
-        square * posterior.llt().solve(Eigen::MatrixXd::Identity(target.size(), target.size()));
+    const Eigen::MatrixXd inverse = square * Cholesky(posterior).inverse();
     const Eigen::VectorXd mean = inverse * target;
     const double variance = std::max(0.0, rest - mean.dot(target)) / freedoms;
     logs[s] = logPartOfFirst(Eigen::Vector2d(mean.head<2>()),

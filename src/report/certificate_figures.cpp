@@ -1,9 +1,9 @@
 #include "report/certificate_figures.h"
 
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
+#include "base/distributions.h"
 #include "base/format.h"
 #include "base/quantity_words.h"
 #include "base/text.h"
@@ -50,9 +50,7 @@ StatedGroup parameterFigures(const Calibration& c) {
   const ErrorSymbols symbols = symbolsOf(c);
   const bool normal = !(c.degreesOfFreedom > 0.0) || c.degreesOfFreedom >= kManyDegreesOfFreedom;
   const std::string coverage =
-      normal ? "0.95"
-             : format("%.2f", 1.0 - 2.0 * boost::math::cdf(boost::math::complement(
-                                              boost::math::students_t(c.degreesOfFreedom), 2.0)));
+      normal ? "0.95" : format("%.2f", 1.0 - 2.0 * studentTail(2.0, c.degreesOfFreedom));
   for (const Calibration::Value& v : c.values) {
     StatedFigure figure = figureWith(inWords(c.effects[static_cast<std::size_t>(v.effect)], symbols), v.name,
                                      v.value * v.toUnit, 2.0 * v.std * std::abs(v.toUnit), v.unit);

@@ -1,10 +1,10 @@
 #include "report/certificate_issue.h"
 
 #include <chrono>
-#include <regex>
 
 #include "base/error.h"
 #include "base/format.h"
+#include "base/pattern.h"
 #include "base/utc_now.h"
 #include "report/dcc_signature.h"
 
@@ -13,11 +13,12 @@ namespace mm {
 std::string IssueNumber::text() const { return calibration + "-" + stamp + "-" + std::to_string(count); }
 
 IssueNumber IssueNumber::parsed(const std::string& text) {
-  static const std::regex form("(.+)-([0-9]{8}T[0-9]{9}Z)-([1-9][0-9]{0,5})");
+  static const Pattern form("(.+)-([0-9]{8}T[0-9]{9}Z)-([1-9][0-9]{0,5})");
   constexpr std::size_t kLongest =
       200;  // the search goes as deep as the text is long, and it may be a foreign file's
-  std::smatch parts;
-  if (text.size() > kLongest || !std::regex_match(text, parts, form)) return {};
+  if (text.size() > kLongest) return {};
+  const std::vector<std::string> parts = form.parts(text);
+  if (parts.empty()) return {};
   return {parts[1], parts[2], std::stoi(parts[3])};
 }
 

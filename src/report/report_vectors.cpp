@@ -1,9 +1,10 @@
 #include "report/report_vectors.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
+#include "base/dense.h"
 #include "base/erase_if.h"
 #include "base/units.h"
 #include "estimation/residual_vector.h"
@@ -19,7 +20,7 @@ bool spatial(const std::vector<ResidualVectors::Place>& places) {
   for (const auto& p : places) mean += p.at / static_cast<double>(places.size());
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (const auto& p : places) spread += (p.at - mean) * (p.at - mean).transpose();
-  const Eigen::Vector3d sizes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvalues();
+  const Eigen::VectorXd sizes = SymmetricEigen(spread).values;
   constexpr double kOnALine = 1e-4;       // squares: a hundredth of the length aside
   return sizes[1] > kOnALine * sizes[2];  // more than a line
 }

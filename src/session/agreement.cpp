@@ -1,6 +1,6 @@
 #include "session/agreement.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <map>
 #include <numeric>

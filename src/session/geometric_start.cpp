@@ -1,6 +1,6 @@
 #include "session/geometric_start.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <map>
 #include <tuple>
 
@@ -14,6 +14,7 @@ namespace {
 /// Points whose extent across a line is below a thousandth of that along it (squares: 1e-6) do not tell the
 /// rotation about the line.
 constexpr double kOneLine = 1e-6;
+constexpr double kSameLine = 1e-12;  // sine of an angle: less is rounding, and has no axis
 
 /// What one stylus touched of one feature in one placement.
 struct Spot {
@@ -257,16 +258,18 @@ void startFreeFeatures(Session& session) {
 
 RigidMotion rigidMotion(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to) {
   const Eigen::Vector3d a = from.rowwise().mean(), b = to.rowwise().mean();
-  const Eigen::Vector3d extent =
-      Eigen::JacobiSVD<Eigen::Matrix3d>((from.colwise() - a) * (from.colwise() - a).transpose())
-          .singularValues();
+  const Eigen::Matrix3Xd around = from.colwise() - a;
+  const Eigen::VectorXd extent = SymmetricEigen(around * around.transpose()).values;
   RigidMotion motion;
-  if (extent[1] > kOneLine * extent[0]) {
-    motion.rotation = Eigen::umeyama(from, to, false).topLeftCorner<3, 3>();
+  if (extent[1] > kOneLine * extent[2]) {
+    motion.rotation = nearestRotation((to.colwise() - b) * around.transpose());
   } else if (from.cols() > 1) {  // on one line: the shortest rotation
     const Eigen::Vector3d u = from.rightCols<1>() - from.leftCols<1>(),
                           v = to.rightCols<1>() - to.leftCols<1>();
-    motion.rotation = Eigen::Quaterniond::FromTwoVectors(u, v).toRotationMatrix();
+    const Eigen::Vector3d normal = u.cross(v);
+    const Eigen::Vector3d axis =
+        normal.norm() > kSameLine * u.norm() * v.norm() ? normal.normalized() : u.unitOrthogonal();
+    motion.rotation = Eigen::AngleAxisd(std::atan2(normal.norm(), u.dot(v)), axis).toRotationMatrix();
   }
   motion.translation = b - motion.rotation * a;
   return motion;

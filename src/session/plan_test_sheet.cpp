@@ -1,6 +1,6 @@
 #include "session/plan_test_sheet.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

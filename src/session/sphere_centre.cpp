@@ -1,6 +1,6 @@
 #include "session/sphere_centre.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 
 #include "base/dense.h"
 
@@ -61,7 +61,7 @@ bool sphereCentre(const std::vector<Eigen::Vector3d>& points, double radius, Eig
       h += n * n.transpose();
       g += n * (d.norm() - radius);
     }
-    Eigen::Vector3d step = h.ldlt().solve(g);
+    Eigen::Vector3d step = solveSymmetric(h, g);
     if (step.norm() > kLongestStep * radius) step *= kLongestStep * radius / step.norm();
     c -= step;
     if (step.norm() < kSettled) break;

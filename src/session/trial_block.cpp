@@ -1,8 +1,7 @@
 #include "session/trial_block.h"
 
-#include <regex>
-
 #include "base/format.h"
+#include "base/pattern.h"
 
 namespace mm {
 
@@ -12,11 +11,11 @@ std::string nameOf(const TrialBlock& b) {
 }
 
 std::optional<TrialBlock> trialBlock(const std::string& placement) {
-  static const std::regex pattern(
+  static const Pattern pattern(
       "(?:.*: )?trial ([0-9a-f]{8}) block ([0-9]{1,3}) of ([0-9]{1,3}) state ([AB])(?:: (.*))?");
-  std::smatch part;
-  if (!std::regex_match(placement, part, pattern)) return std::nullopt;
-  return TrialBlock{part[1], std::stoi(part[2]), std::stoi(part[3]), part[4].str().front(), part[5]};
+  const std::vector<std::string> part = pattern.parts(placement);
+  if (part.empty()) return std::nullopt;
+  return TrialBlock{part[1], std::stoi(part[2]), std::stoi(part[3]), part[4].front(), part[5]};
 }
 
 }  // namespace mm

@@ -1,9 +1,11 @@
 #include "simulation/setting.h"
 
-#include <Eigen/QR>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <memory>
+
+#include "base/dense.h"
 
 namespace mm {
 namespace {
@@ -119,13 +121,13 @@ Quantity qualified(const Quantity& error, const std::vector<Eigen::Vector3d>& li
                           way = motion / std::max(kNoMotion, motion.norm());
     return {1.0, way.x(), way.y(), way.z()};
   };
-  Eigen::MatrixX4d columns(visits.size(), 4);
+  Eigen::MatrixXd columns(visits.size(), 4);
   Eigen::VectorXd values(visits.size());
   for (std::size_t i = 0; i < visits.size(); ++i) {
     columns.row(i) = terms(visits[i]);
     values(i) = error(visits[i]);
   }
-  const Eigen::Vector4d fitted = columns.colPivHouseholderQr().solve(values);
+  const Eigen::Vector4d fitted = leastSquares(columns, values);
   return [error, terms, fitted](const Condition& c) { return error(c) - terms(c).dot(fitted); };
 }
 

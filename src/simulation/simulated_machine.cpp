@@ -1,9 +1,10 @@
 #include "simulation/simulated_machine.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
+#include "base/dense.h"
 #include "base/error.h"
 
 namespace mm {
@@ -208,14 +209,14 @@ double SimulatedMachine::sightDeviation(int joint, const ProbePose& truth) const
   std::vector<double> q = drive_;
   for (int step = 0; step < 4; ++step) {
     const Eigen::Vector3d now = chain_.nominal(q).orientation * ahead;
-    Eigen::Matrix<double, 3, 2> moves;
+    Eigen::MatrixXd moves(3, 2);
     for (int j = 0; j < 2; ++j) {
       constexpr double kStep = 1e-4;
       std::vector<double> moved = q;
       moved[j] += kStep;
       moves.col(j) = (chain_.nominal(moved).orientation * ahead - now) / kStep;
     }
-    const Eigen::Vector2d change = moves.colPivHouseholderQr().solve(wanted - now);
+    const Eigen::Vector2d change = leastSquares(moves, wanted - now);
     for (int j = 0; j < 2; ++j) q[j] += change[j];
   }
   return q[joint] - drive_[joint];

@@ -1,6 +1,6 @@
 #include "thermal/dfnn_rules.h"
 
-#include <Eigen/QR>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -63,9 +63,8 @@ class Consequents {
 /// the orthogonalised design. Needs no fewer samples than columns.
 Eigen::VectorXd errorReduction(const Eigen::MatrixXd& design, const Eigen::MatrixXd& y, int rules) {
   const Eigen::Index columns = design.cols() / rules;
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(design);
   // Rows of Q^T Y are q_c . t_p with q_c of unit length; their squares over t_p . t_p are the ratios.
-  Eigen::MatrixXd ratio = (qr.householderQ().transpose() * y).topRows(design.cols());
+  Eigen::MatrixXd ratio = orthogonalParts(design, y);
   for (Eigen::Index p = 0; p < y.cols(); ++p) {
     const double total = y.col(p).squaredNorm();
     ratio.col(p) = total > 0.0 ? Eigen::VectorXd(ratio.col(p).array().square() / total)

@@ -1,10 +1,9 @@
 #include "thermal/network_choice.h"
 
 #include <algorithm>
-#include <boost/math/distributions/fisher_f.hpp>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
+#include "base/distributions.h"
 #include "base/error.h"
 #include "thermal/ridge.h"
 
@@ -55,9 +54,7 @@ bool significantlyWorse(const Eigen::MatrixXd& errors, const Eigen::MatrixXd& ot
                      std::to_string(others.rows()) + " samples cannot be compared");
   if (!(kClearlyLessError * rms(errors) > rms(others))) return false;
   const auto samples = static_cast<int>(errors.rows());
-  const boost::math::fisher_f ratio(samples, samples);
-  if (errors.squaredNorm() > boost::math::quantile(complement(ratio, kChance)) * others.squaredNorm())
-    return true;
+  if (errors.squaredNorm() > fisherLimit(kChance, samples, samples) * others.squaredNorm()) return true;
   const std::vector<Fold> folds = blockedFolds(samples, std::min(settings.blocks, samples));
   Eigen::VectorXd differences(static_cast<Eigen::Index>(folds.size()));
   for (std::size_t b = 0; b < folds.size(); ++b) {
@@ -69,7 +66,7 @@ bool significantlyWorse(const Eigen::MatrixXd& errors, const Eigen::MatrixXd& ot
   }
   const double blocks = static_cast<double>(folds.size()), mean = differences.mean();
   const double std = std::sqrt((differences.array() - mean).square().sum() / (blocks * (blocks - 1.0)));
-  return mean > boost::math::quantile(complement(boost::math::students_t(blocks - 1.0), kChance)) * std;
+  return mean > studentLimit(kChance, blocks - 1.0) * std;
 }
 
 NetworkChoice chooseNetwork(const NetworkWish& wish, const Eigen::MatrixXd& x, const Eigen::MatrixXd& y,

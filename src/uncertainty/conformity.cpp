@@ -1,9 +1,9 @@
 #include "uncertainty/conformity.h"
 
 #include <algorithm>
-#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 
+#include "base/distributions.h"
 #include "base/format.h"
 
 namespace mm {
@@ -11,7 +11,7 @@ namespace {
 
 double below(double limit, double value, double std) {
   if (std::isinf(limit)) return limit > 0.0 ? 1.0 : 0.0;
-  return boost::math::cdf(boost::math::normal(), (limit - value) / std);
+  return normalBelow((limit - value) / std);
 }
 
 }  // namespace
@@ -36,7 +36,7 @@ Conformity judge(double value, double std, const Specification& s) {
 
 AcceptanceZone acceptanceZone(double std, const Specification& s) {
   AcceptanceZone zone;
-  const double guard = boost::math::quantile(boost::math::normal(), kConformanceProbability) * std;
+  const double guard = normalQuantile(kConformanceProbability) * std;
   if (std::isinf(s.lower) || std::isinf(s.upper)) {
     zone.exists = true;
     zone.lower = s.lower + guard;

@@ -1,6 +1,6 @@
 #include "uncertainty/found_remainder.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>

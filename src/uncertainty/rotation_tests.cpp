@@ -1,10 +1,11 @@
 #include "uncertainty/rotation_tests.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
+#include "base/dense.h"
 #include "base/format.h"
 #include "base/range.h"
 #include "base/units.h"
@@ -34,7 +35,7 @@ int turningJoint(const Session& session, const RotationRows& rows) {
 bool fitRotation(const Eigen::MatrixX3d& points, RotationTest& test) {
   const Eigen::RowVector3d mean = points.colwise().mean();
   const Eigen::MatrixX3d about = points.rowwise() - mean;
-  const Eigen::Matrix3d axes = Eigen::JacobiSVD<Eigen::MatrixX3d>(about, Eigen::ComputeThinV).matrixV();
+  const Eigen::Matrix3d axes = RightSingular(about).vectors;
   const Eigen::MatrixX3d in = about * axes;  // the last column is along the axis
   std::vector<Eigen::Vector2d> inPlane;
   for (Eigen::Index i = 0; i < in.rows(); ++i) inPlane.emplace_back(in(i, 0), in(i, 1));

@@ -1,10 +1,10 @@
 #include "uncertainty/virtual_machine.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 
+#include "base/distributions.h"
 #include "base/error.h"
 #include "base/units.h"
 #include "estimation/drift.h"
@@ -17,7 +17,7 @@ constexpr double kAtTheEnd = 1e-15;  // of a probability: its quantile is still 
 /// Student's t beside the normal: by what a deviation grows whose variance is known by so many freedoms.
 double studentFactor(double freedoms, Random& random) {
   const double u = std::clamp(random.uniform(), kAtTheEnd, 1.0 - kAtTheEnd);
-  return std::sqrt(freedoms / boost::math::quantile(boost::math::chi_squared(freedoms), u));
+  return std::sqrt(freedoms / chiSquaredQuantile(u, freedoms));
 }
 
 }  // namespace

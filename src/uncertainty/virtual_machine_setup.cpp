@@ -1,5 +1,5 @@
 // What a VirtualMachine takes from the calibration before the first draw.
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

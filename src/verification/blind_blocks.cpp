@@ -1,9 +1,10 @@
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <memory>
 
+#include "base/dense.h"
 #include "base/erase_if.h"
 #include "base/error.h"
 #include "base/format.h"
@@ -122,10 +123,8 @@ void judgeAxes(const FreshPoints& points, TrialBlockFigures& found) {
     if (sizes[c] > kNothing * largest) used.push_back(c);
   Eigen::MatrixXd unit = columns(Eigen::all, used);
   for (Eigen::Index k = 0; k < unit.cols(); ++k) unit.col(k) /= unit.col(k).norm();
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(unit);
-  solver.setThreshold(kNotApart);
-  if (solver.rank() < unit.cols()) return;
-  const Eigen::VectorXd share = solver.solve(points.raw());
+  if (rankOf(unit, kNotApart) < unit.cols()) return;
+  const Eigen::VectorXd share = leastSquares(unit, points.raw());
   for (std::size_t k = 0; k < used.size(); ++k)
     if (used[k] < count)
       found.ofAxis[points.axes()[static_cast<std::size_t>(used[k])]] =

@@ -1,11 +1,11 @@
 #include "verification/blind_verdict.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
 
+#include "base/distributions.h"
 #include "base/format.h"
 #include "base/nearest_name.h"
 #include "base/quantity_words.h"
@@ -23,7 +23,7 @@ constexpr int kTrialColumns = 3;        // level, trend, step
 constexpr double kNoRms = 1e-15;        // m (rad): no logarithm of less
 
 double quantile(double freedoms, double outside = kFalseAnswers) {
-  return boost::math::quantile(boost::math::students_t(freedoms), 1.0 - 0.5 * outside);
+  return studentLimit(0.5 * outside, freedoms);
 }
 
 Eigen::VectorXd stepOf(const std::string& order) {

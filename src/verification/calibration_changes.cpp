@@ -1,6 +1,6 @@
 #include "verification/calibration_changes.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

@@ -1,6 +1,6 @@
 #include "verification/figures.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

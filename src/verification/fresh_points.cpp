@@ -1,6 +1,6 @@
 #include "verification/fresh_points.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

@@ -1,6 +1,6 @@
 #include "verification/point_system.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

@@ -1,6 +1,6 @@
 #include "verification/verification_plan.h"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <map>

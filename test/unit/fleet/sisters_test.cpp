@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "base/distributions.h"
 #include "base/median.h"
 #include "fleet/recurrence.h"
 #include "fleet/robust_numbers.h"
