@@ -17,6 +17,7 @@ namespace {
 /// What a block was in this session, beside all else that was found.
 struct BlockFit {
   Eigen::VectorXd values, std;  // of the coefficients of its columns
+  Eigen::MatrixXd covariance;
 };
 
 /// @param ratio of the block, as it was found.
@@ -27,7 +28,8 @@ BlockFit fitOf(const Search& search, const Explanation& found, std::size_t block
   others.members.back().size = ratio;
   others.members.back().columns = std::make_shared<RowMatrix>(search.questions().scatter[block].columns);
   const Evidence::Fit fit = search.evidenceAt(others)->fit(others.members);
-  return {fit.values.back(), fit.covariance.back().diagonal().cwiseSqrt()};
+  const Eigen::MatrixXd& covariance = fit.covariance.back();
+  return {fit.values.back(), covariance.diagonal().cwiseSqrt(), covariance};
 }
 
 /// Where the artifact lies as a whole, beside a place that is stated as known. @param block of the datum.
@@ -96,14 +98,19 @@ void fillShared(const Search& search, const Explanation& found, std::size_t bloc
                   ": its scale or bearing at these angles, or its clamp, which one stop at each cannot tell "
                   "apart; come back to the same angles";
   } else if (is(kScaleOf)) {
-    double sum = 0.0, farthest = 0.0;
-    for (const double step : fit.values) {
-      sum += step;
-      if (std::abs(sum) > std::abs(farthest)) farthest = sum;
+    double sum = 0.0, farthest = 0.0, variance = 0.0;  // of steps, each of what was before it
+    for (Eigen::Index k = 0; k < fit.values.size(); ++k) {
+      sum += fit.values[k];
+      if (!(std::abs(sum) > std::abs(farthest))) continue;
+      farthest = sum;
+      variance = fit.covariance.topLeftCorner(k + 1, k + 1).sum();
     }
-    s.inWords = "the scale of " + joint.name + " wanders during the session, by up to " +
-                errorInWords(std::abs(farthest * ofOne), s.angular) +
-                " at the ends of its travel: log the temperatures of its scale or screw and of the part";
+    s.inWords =
+        "the scale of " + joint.name + " wanders during the session, most by " +
+        withFactor(expanded(std::abs(farthest * inUnit),
+                            std::sqrt(std::max(0.0, variance)) * std::abs(inUnit), nameOfUnit(s.angular))) +
+        " at the ends of its travel, about the middle: log the temperatures of its scale or screw and of the "
+        "part";
   } else {
     const std::string kind = is(kRunsOf) ? "run" : "pass";
     s.inWords = "the zero of " + joint.name + " shifts from " + kind + " to " + kind + ", " + largest +

@@ -1,6 +1,7 @@
 // An axis errs within a part of its travel: a damaged place of its scale, a bend. No effect of the catalogue
 // has such a shape, and waves together can imitate it. The axis is measured as ISO 230-2 asks: targets at
 // equal distances, five runs both ways.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -415,10 +416,43 @@ TEST(LocalError, AScaleThatWandersIsNoExpansionWithTheAir) {
     }
     const Diagnosis d = diagnosisOf(session);
     named += static_cast<int>(d.missing.size());
-    for (const ArtifactScatter& s : d.artifactScatter) told += s.what == "scale of x";
+    for (const ArtifactScatter& s : d.artifactScatter) {
+      if (s.what != "scale of x") continue;
+      ++told;
+      EXPECT_THAT(s.inWords, testing::HasSubstr("± ")) << s.inWords;
+    }
   }
   EXPECT_EQ(named, 0);
   EXPECT_GE(told, 3) << "of 4";
+}
+
+// What differs from one stop to the next is a clamp's only where an angle was reached again
+TEST(LocalError, StopsThatWereReachedOnceTellNoClamp) {
+  Session session(Machine::load("five_axis"));
+  session.source = "test";
+  session.artifact.repeatability = 0.4e-6;
+  const int b = session.machine.findJoint("b");
+  RandomNumbers random(3);
+  for (int stop = 0; stop < 13; ++stop) {
+    const double error = random.normal(5.0) * kArcsecond;
+    for (int again = 0; again < 6; ++again) {
+      Observation o;
+      o.kind = ObservationKind::kDeviation;
+      o.time = 10.0 * static_cast<double>(session.observations.size());
+      o.position.assign(5, 0.0);
+      o.position[b] = 15.0 * (stop - 6) * kDegree;
+      o.velocity.assign(5, kNotMeasured);
+      o.velocity[b] = 0.01;
+      o.deviation.assign(5, kNotMeasured);
+      o.deviation[b] = error + random.normal(0.4) * kArcsecond;
+      o.deviationStd.assign(5, kNotMeasured);
+      session.observations.push_back(o);
+    }
+  }
+  const Diagnosis d = diagnosisOf(session);
+  ASSERT_EQ(d.artifactScatter.size(), 1u) << told(d);
+  EXPECT_EQ(d.artifactScatter[0].what, "stops of b");
+  EXPECT_THAT(d.artifactScatter[0].inWords, testing::HasSubstr("one stop at each cannot tell apart"));
 }
 
 // Thirteen angles of a rotary axis, each reached again: what its teeth do was told as waves and expansions
