@@ -13,6 +13,7 @@
 #include "diagnosis/diagnose.h"
 #include "diagnosis/wording.h"
 #include "long_tests.h"
+#include "machine_chains.h"
 #include "model/observed_domain.h"
 #include "random_numbers.h"
 
@@ -424,6 +425,34 @@ TEST(LocalError, AScaleThatWandersIsNoExpansionWithTheAir) {
   }
   EXPECT_EQ(named, 0);
   EXPECT_GE(told, 3) << "of 4";
+}
+
+// The axis of a table 5 um beside its place was told as a warm-up that had settled before the second stop
+TEST(LocalError, TheAxisOfATableIsNamedAndNoWarmUp) {
+  Session session(test::movingColumn());
+  session.source = "test";
+  session.artifact.repeatability = 0.4e-6;
+  RandomNumbers random(4);
+  for (int stop = 0; stop < 9; ++stop)
+    for (int place = 0; place < 12; ++place) {
+      const double angle = 35.0 * (stop - 4) * kDegree;
+      Observation o;
+      o.kind = ObservationKind::kPosition;
+      o.time = 10.0 * static_cast<double>(session.observations.size());
+      o.position = {angle, random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1)};
+      const double way = place % 2 == 0 ? 0.01 : -0.01;  // from one side alone a backlash would do the same
+      o.velocity = {stop == 0 ? kNotMeasured : 0.01, way, way, way};
+      const Eigen::Vector3d axis(5e-6, 0.0, 0.0), tip(o.position[1], o.position[2], o.position[3]);
+      o.reference = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()) * (tip - axis);
+      for (int k = 0; k < 3; ++k) o.reference[k] += random.normal(0.4e-6);
+      session.observations.push_back(o);
+    }
+  const Diagnosis d = diagnosisOf(session);
+  ASSERT_EQ(d.missing.size(), 1u) << told(d);
+  EXPECT_EQ(d.missing[0].effect, EffectSpec("rotary_axis_offset").set("joint", "a").set("direction", "x"))
+      << told(d);
+  EXPECT_TRUE(d.missing[0].confusableWith.empty()) << told(d);
+  EXPECT_NEAR(d.missing[0].parameters[0].value, 5.0, 2.0 * d.missing[0].parameters[0].std + 0.1) << told(d);
 }
 
 // What differs from one stop to the next is a clamp's only where an angle was reached again
