@@ -41,14 +41,18 @@ std::string ask(const ros::NodeHandle& node, const std::string& name, Service& s
   return service.response.message;
 }
 
-/// Waits for the end of the goal that was sent, which lives by being renewed.
+/// Waits for the end of the goal that was sent, which lives by being renewed. One late answer is none: that
+/// the server has gone is said where its connection has, or where it was silent for `kUnheard`.
 /// @param renew whether that was answered. @return false: its server has gone; the goal is forgotten.
 template <typename Action, typename Renew>
 bool follow(ActionCall<Action>& call, const Renew& renew) {
   bool gone = false;
+  ros::WallTime answered = ros::WallTime::now();
   while (ros::ok() && !gone && !call.ended()) {
     kBetweenRenewals.sleep();
-    gone = !renew() || !call.isServerConnected() || call.unheard(kUnheard);
+    if (renew()) answered = ros::WallTime::now();
+    const bool silent = (ros::WallTime::now() - answered).toSec() > kUnheard;
+    gone = silent || !call.isServerConnected() || call.unheard(kUnheard);
   }
   if (gone) call.forget();
   return !gone;
@@ -232,7 +236,7 @@ std::string RosMachine::run(const std::string& yaml, const std::function<bool()>
   });
   bool asked = false;
   const bool ended = follow(measure_, [&] {
-    const bool renewed = renew_.call(renewal, kPlanLease);
+    const bool renewed = renew_.callAnew(renewal, kPlanLease);
     if (!asked && cancelled()) {
       measure_.cancel();
       asked = true;
