@@ -28,7 +28,7 @@ struct SymbolRow {
   ErrorOf is;
 };
 
-constexpr std::array<SymbolRow, 18> kSymbolRows = {{{"scale", ErrorOf::kAxisAlongItself},
+constexpr std::array<SymbolRow, 19> kSymbolRows = {{{"scale", ErrorOf::kAxisAlongItself},
                                                     {"positioning_polynomial", ErrorOf::kAxisAlongItself},
                                                     {"lead_screw_periodic", ErrorOf::kAxisAlongItself},
                                                     {"position_table", ErrorOf::kAxisAlongItself},
@@ -38,6 +38,7 @@ constexpr std::array<SymbolRow, 18> kSymbolRows = {{{"scale", ErrorOf::kAxisAlon
                                                     {"straightness_table", ErrorOf::kAxisInDirection},
                                                     {"angular_motion", ErrorOf::kAxisAbout},
                                                     {"angular_reversal", ErrorOf::kAxisAbout},
+                                                    {"straightness_reversal", ErrorOf::kAxisInDirection},
                                                     {"squareness", ErrorOf::kOtherInAxis},
                                                     {"gravity_sag", ErrorOf::kWithInDirection},
                                                     {"profile", ErrorOf::kOneVariable},

@@ -75,6 +75,11 @@ Law straightness(SpecReader& read) {
 constexpr double kPlace =
     0.3;  // of the Abbe offsets: from where a carriage turns to where the artifact stands
 
+/// The size of half a step to either side by the direction of travel.
+double halfByTravel(const State& s, int axis) {
+  return s.travel[axis] == 0.0 ? kUnknown : -0.5 * s.travel[axis];
+}
+
 /// Further degrees; and a carriage turns about a place of its own, not about the origin: beside the angle
 /// there is a displacement of the same degree in the directions across `about`.
 std::vector<ShapeFreedom> besideAngle(const SpecReader& read, const std::string& axis, int about, int degree,
@@ -117,18 +122,37 @@ Law angularReversal(SpecReader& read) {
   law.nature.stage = Stage::kVolume;
   law.parameters = {parameter("angle", kUnitArcsecond, kArcsecond, 0.02)};
   law.add = [layout = read.layout(), axis, about](const State& s, const double* p, ErrorSink& sink) {
-    addTilt(layout, about, s, 0, p[0], s.travel[axis] == 0.0 ? kUnknown : -0.5 * s.travel[axis], sink);
+    addTilt(layout, about, s, 0, p[0], halfByTravel(s, axis), sink);
   };
-  law.freedom = {{EffectSpec("backlash").set("axis", read.jointAt(axis).name), kPlace}};
+  // it tips about a place of its own: what the arm from there makes is the same everywhere
+  const std::string& own = read.jointAt(axis).name;
+  for (const Joint& joint : read.domain().joints) {
+    if (!isAcross(joint, about)) continue;
+    EffectSpec step(joint.name == own ? "backlash" : "straightness_reversal");
+    step.set("axis", own);
+    if (joint.name != own) step.set("direction", joint.name);
+    law.freedom.push_back({step, kPlace});
+  }
+  law.nature.met = 0.3;  // a play along the axis is met more often
+  return law;
+}
+
+Law straightnessReversal(SpecReader& read) {
+  const int axis = read.joint("axis", JointKind::kLinear);
+  const Direction direction = read.direction("direction");
+  if (direction.kind == Direction::Kind::kJoint && direction.index == axis)
+    read.fail("axis and direction must differ; along the axis itself use backlash");
+  Law law =
+      oneTerm(stageOf(direction), direction.slot(read.layout()), errorParameter("step", direction.quantity),
+              [axis](const State& s) { return halfByTravel(s, axis); });
   law.nature.met = 0.3;  // a play along the axis is met more often
   return law;
 }
 
 Law backlash(SpecReader& read) {
   const int axis = read.joint("axis");
-  Law law =
-      oneTerm(Stage::kAxis, read.layout().axis(axis), errorParameter("gap", read.jointAt(axis).kind),
-              [axis](const State& s) { return s.travel[axis] == 0.0 ? kUnknown : -0.5 * s.travel[axis]; });
+  Law law = oneTerm(Stage::kAxis, read.layout().axis(axis), errorParameter("gap", read.jointAt(axis).kind),
+                    [axis](const State& s) { return halfByTravel(s, axis); });
   law.nature.variesAlong = {axis};  // a nut wears most where it works most: the play changes along the screw
   law.nature.variesInTime = true;   // and it loosens, or warms
   return law;
@@ -269,6 +293,11 @@ std::vector<LawRow> lawsOfAxes() {
        {joints("axis", JointKind::kLinear), fixed("about", {"x", "y", "z"})},
        {},
        angularReversal},
+      {"straightness_reversal",
+       {"axis", "direction"},
+       {joints("axis", JointKind::kLinear), joints("direction")},
+       coupled,
+       straightnessReversal},
       {"backlash", {"axis"}, {joints("axis")}, {}, backlash},
       {"lost_motion", {"axis"}, {joints("axis")}, {}, lostMotion},
       {"speed_lag", {}, {}, {}, speedLag},

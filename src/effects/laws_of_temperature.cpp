@@ -13,25 +13,6 @@ namespace {
 /// a temperature does, so much is there at all times.
 constexpr double kZeroOfSensor = 0.2;
 
-Law thermalExpansion(SpecReader& read) {
-  const int axis = read.joint("axis"), sensor = read.sensor("sensor");
-  const JointKind kind = read.jointAt(axis).kind;
-  Law law = oneTerm(Stage::kAxis, read.layout().axis(axis),
-                    expansionParameter(errorUnit(kind) / readingUnit(kind) / kUnitKelvin),
-                    [axis, sensor](const State& s) {
-                      return s.position[axis] * (s.temperature[sensor] - kReferenceTemperature);
-                    });
-  law.nature.variesAlong = law.nature.mustMove = {axis};  // no bed warms evenly along its length
-  law.freedom = {{EffectSpec("scale").set("axis", read.jointAt(axis).name), kZeroOfSensor}};
-  return law;
-}
-
-Parameter growthParameter(JointKind kind) {
-  const bool linear = kind == JointKind::kLinear;
-  return parameter("growth", errorUnit(kind) / kUnitKelvin, linear ? 1e-6 : kArcsecond,
-                   linear ? 200e-6 : 1e-3);
-}
-
 /// Response of a first-order lag to a sensor, degC, and its derivative by the time constant.
 double lagged(const State& s, int sensor, double timeConstant, double* byTimeConstant) {
   const double temperature = s.temperature[sensor];
@@ -41,26 +22,54 @@ double lagged(const State& s, int sensor, double timeConstant, double* byTimeCon
   return s.history->lagged(sensor, timeConstant, s.time, byTimeConstant);
 }
 
-Law thermalGrowth(SpecReader& read) {
-  const Direction direction = read.direction("direction");
-  const int sensor = read.sensor("sensor"), slot = direction.slot(read.layout());
-  Law law = oneTerm(stageOf(direction), slot, growthParameter(direction.quantity),
-                    [sensor](const State& s) { return s.temperature[sensor] - kReferenceTemperature; });
+/// What a body does that has the temperature of a sensor, or with the key `lag` follows it after a lag.
+/// @param of the state, by which the temperature is multiplied. @param atOnce the same without a lag.
+template <typename Factor>
+Law followingSensor(SpecReader& read, Stage stage, int slot, Parameter size, const EffectSpec& atOnce,
+                    Factor of) {
+  const int sensor = read.sensor("sensor");
+  const bool late = read.flag("lag", false);
+  Law law = oneTerm(stage, slot, std::move(size), [sensor, of](const State& s) {
+    return of(s) * (s.temperature[sensor] - kReferenceTemperature);
+  });
   law.nature.shapeKeys = {"lag"};
-  if (!read.flag("lag", false)) return law;
+  if (!late) return law;
   law.parameters.push_back(timeConstant("time_constant", read.domain()));
   law.starts = timeConstantStarts(read.domain());
-  law.add = [sensor, slot](const State& s, const double* p, ErrorSink& sink) {
+  law.add = [sensor, slot, of](const State& s, const double* p, ErrorSink& sink) {
     double byTau = 0.0;
-    sink.add(slot, 0, p[0], lagged(s, sensor, p[1], &byTau) - kReferenceTemperature);
-    if (sink.wantsDerivatives()) sink.derivative(slot, 1, p[0] * byTau);
+    sink.add(slot, 0, p[0], of(s) * (lagged(s, sensor, p[1], &byTau) - kReferenceTemperature));
+    if (sink.wantsDerivatives()) sink.derivative(slot, 1, p[0] * of(s) * byTau);
   };
   // of a part that follows late some is near the sensor, and follows at once
-  law.freedom = {{EffectSpec("thermal_growth")
-                      .set("direction", direction.name)
-                      .set("sensor", read.domain().sensors[sensor])}};
+  law.freedom = {{EffectSpec(atOnce).set("sensor", read.domain().sensors[sensor])}};
   law.variant = "with lag";
   return law;
+}
+
+Law thermalExpansion(SpecReader& read) {
+  const int axis = read.joint("axis");
+  const Joint& joint = read.jointAt(axis);
+  Law law = followingSensor(read, Stage::kAxis, read.layout().axis(axis),
+                            expansionParameter(errorUnit(joint.kind) / readingUnit(joint.kind) / kUnitKelvin),
+                            EffectSpec("thermal_expansion").set("axis", joint.name),
+                            [axis](const State& s) { return s.position[axis]; });
+  law.nature.variesAlong = law.nature.mustMove = {axis};  // no bed warms evenly along its length
+  law.freedom.push_back({EffectSpec("scale").set("axis", joint.name), kZeroOfSensor});
+  return law;
+}
+
+Parameter growthParameter(JointKind kind) {
+  const bool linear = kind == JointKind::kLinear;
+  return parameter("growth", errorUnit(kind) / kUnitKelvin, linear ? 1e-6 : kArcsecond,
+                   linear ? 200e-6 : 1e-3);
+}
+
+Law thermalGrowth(SpecReader& read) {
+  const Direction direction = read.direction("direction");
+  return followingSensor(
+      read, stageOf(direction), direction.slot(read.layout()), growthParameter(direction.quantity),
+      EffectSpec("thermal_growth").set("direction", direction.name), [](const State&) { return 1.0; });
 }
 
 Law thermalBending(SpecReader& read) {
@@ -119,7 +128,11 @@ Law thermalTransient(SpecReader& read) {
 
 std::vector<LawRow> lawsOfTemperature() {
   return {
-      {"thermal_expansion", {"axis", "sensor"}, {joints("axis"), sensors()}, {}, thermalExpansion},
+      {"thermal_expansion",
+       {"axis", "sensor", "lag"},
+       {fixed("lag", {"", "true"}), joints("axis"), sensors()},
+       {},
+       thermalExpansion},
       {"thermal_growth",
        {"direction", "sensor", "lag"},
        {fixed("lag", {"", "true"}), directions(), sensors()},

@@ -54,14 +54,24 @@ void buildMmt(const Making& m) {
   });
 }
 
+/// The body of the key `sensor`; with the number `lag` one that no sensor tells, behind the one that has it.
+int bodyOf(const Making& m) {
+  const int body = m.workshop.thermal.findBody(m.source.key("sensor"));
+  if (m.number("lag") <= 0.0) return body;
+  std::vector<Follower>& followers = m.workshop.physics.followers;
+  followers.push_back({body, m.number("lag")});
+  return m.workshop.thermal.bodyCount() + static_cast<int>(followers.size()) - 1;
+}
+
+/// A screw or scale expands from its fixed end, which is at the axis' zero.
+void buildExpansion(const Making& m) {
+  m.add([body = bodyOf(m)](const Instant& i, Distortion& d) {
+    d.travel[i.joint()] += i.number("alpha") * i.drive() * (i.now.bodies[body] - kReferenceTemperature);
+  });
+}
+
 void buildGrowth(const Making& m) {
-  int body = m.workshop.thermal.findBody(m.source.key("sensor"));
-  if (m.number("lag") > 0.0) {  // a body that no sensor tells, behind the one that has it
-    std::vector<Follower>& followers = m.workshop.physics.followers;
-    followers.push_back({body, m.number("lag")});
-    body = m.workshop.thermal.bodyCount() + static_cast<int>(followers.size()) - 1;
-  }
-  m.add([body](const Instant& i, Distortion& d) {
+  m.add([body = bodyOf(m)](const Instant& i, Distortion& d) {
     i.direction().add(d, i.number("g") * (i.now.bodies[body] - kReferenceTemperature));
   });
 }
@@ -166,15 +176,21 @@ std::vector<SourceKind> makeKinds() {
        }),
        Probe::kAny,
        true},
+      // one that shifts aside where it reverses
+      {"straightness_reversal",
+       {{"axis", Key::kLinear}, {"direction", Key::kOtherDirection}},
+       {{"step", "m", 1e-6, 5e-6}},
+       law([](const Instant& i, Distortion& d) {
+         i.direction().add(d, -0.5 * i.number("step") * i.now.travel[i.joint()]);
+       }),
+       Probe::kAny,
+       true},
 
-      // of heat; a screw or scale expands from its fixed end, which is at the axis' zero
+      // of heat
       {"thermal_expansion",
        {{"axis", Key::kLinear}, {"sensor", Key::kBody}},
-       {{"alpha", "1/K", 15e-6, 80e-6}},
-       law([](const Instant& i, Distortion& d) {
-         d.travel[i.joint()] +=
-             i.number("alpha") * i.drive() * (i.temperature("sensor") - kReferenceTemperature);
-       })},
+       {{"alpha", "1/K", 15e-6, 80e-6}, {"lag", "s", 0.0, 0.0}},
+       buildExpansion},
       {"thermal_growth",
        {{"direction", Key::kDirection}, {"sensor", Key::kBody}},
        {{"g", "m/K", 0.5e-6, 3e-6, true}, {"lag", "s", 0.0, 0.0}},

@@ -163,7 +163,7 @@ TEST(SessionVariant, ContactsFromOneSideDoNotShowWhatReversalDoes) {
   variant.contacts = 90;
   SimulationRequest request;
   const Machine machine = Machine::load("three_axis");
-  for (const char* text : {"uncatalogued_reversal_heave:x/z=1um", "uncatalogued_reversal_heave:y/z=1um"}) {
+  for (const char* text : {"uncatalogued_warm_nut:x/motor=1um", "uncatalogued_warm_nut:y/motor=1um"}) {
     request.hide = {text};
     variant.oneSided = true;
     EXPECT_THROW(makeInstrument(machine, planOf(variant), request), SourceNotShown) << text;

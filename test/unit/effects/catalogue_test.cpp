@@ -238,10 +238,11 @@ TEST_P(Catalogue, missingInputGivesNan) {
       same = same && after[slot] == before[slot];
     }
     EXPECT_TRUE(nan || same);
-    const std::set<std::string> needy{
-        "backlash",          "speed_lag",       "thermal_expansion", "thermal_growth",     "thermal_bending",
-        "thermal_transient", "probe_lobing",    "laser_incidence",   "artifact_expansion", "covariate_offset",
-        "covariate_scale",   "thermal_network", "lost_motion",       "angular_reversal"};
+    const std::set<std::string> needy{"backlash",         "speed_lag",        "thermal_expansion",
+                                      "thermal_growth",   "thermal_bending",  "thermal_transient",
+                                      "probe_lobing",     "laser_incidence",  "artifact_expansion",
+                                      "covariate_offset", "covariate_scale",  "thermal_network",
+                                      "lost_motion",      "angular_reversal", "straightness_reversal"};
     if (needy.count(effect->spec().type) != 0) {
       EXPECT_TRUE(nan);
     }

@@ -46,6 +46,15 @@ TEST_F(Convention, carriageThatTipsLagsTheTravelByHalfTheAngle) {
   EXPECT_DOUBLE_EQ(error[layout.orientation(1)], -4e-6);
 }
 
+TEST_F(Convention, carriageThatShiftsAsideLagsByHalfTheStep) {
+  state.travel[0] = 1.0;
+  EXPECT_DOUBLE_EQ(values("{type: straightness_reversal, axis: x, direction: z}", {8e-6})[layout.axis(2)],
+                   -4e-6);
+  state.travel[0] = -1.0;
+  EXPECT_DOUBLE_EQ(values("{type: straightness_reversal, axis: x, direction: z}", {8e-6})[layout.axis(2)],
+                   4e-6);
+}
+
 TEST_F(Convention, lateTriggerReadsTooFar) {
   state.velocity = {0.01, -0.02, 0.0};
   const auto error = values("{type: speed_lag}", {1e-3});
@@ -190,6 +199,10 @@ TEST_F(Convention, warmUpAndGrowth) {
   EXPECT_NEAR(
       values("{type: thermal_growth, direction: z, sensor: bed, lag: true}", {1e-6, 300.0})[layout.axis(2)],
       1e-6 * (lagged - 20.0), 1e-18);
+  state.position[0] = 0.2;
+  EXPECT_NEAR(
+      values("{type: thermal_expansion, axis: x, sensor: bed, lag: true}", {10e-6, 300.0})[layout.axis(0)],
+      10e-6 * 0.2 * (lagged - 20.0), 1e-18);
   EXPECT_NEAR(values("{type: thermal_transient, direction: z, sensor: bed}", {1e-6, 300.0})[layout.axis(2)],
               1e-6 * (26.0 - lagged), 1e-18);
 }

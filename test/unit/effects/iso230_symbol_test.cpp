@@ -41,6 +41,7 @@ TEST(ErrorSymbols, OfThreeLinearAxes) {
                  {"{type: angular_motion, axis: x, about: x}", "EAX"},
                  {"{type: angular_motion, axis: x, about: y, degree: 2}", "EBX"},
                  {"{type: angular_reversal, axis: y, about: z}", "ECY"},
+                 {"{type: straightness_reversal, axis: x, direction: z}", "EZX"},
                  {"{type: squareness, axis: x, of: y}", "C0Y"},
                  {"{type: squareness, axis: y, of: x}", "C0X"},
                  {"{type: squareness, axis: x, of: z}", "B0Z"},
@@ -64,6 +65,7 @@ TEST(ErrorSymbols, AJointThatTurnsAboutZIsCWhateverItIsCalled) {
                  {"{type: rotary_axis_tilt, joint: a, about: y}", "B0A"},
                  {"{type: rotary_eccentricity, joint: b, harmonic: 1}", "EXC, EYC, ECC"},
                  {"{type: rotary_wobble, joint: a, harmonic: 2}", "EBA, ECA"},
+                 {"{type: straightness_reversal, axis: x, direction: z}", "EZX"},
                  {"{type: squareness, axis: x, of: y}", "C0Y"},
                  {"{type: straightness, axis: y, direction: z, degree: 2}", "EZY"}});
 }

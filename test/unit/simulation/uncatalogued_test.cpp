@@ -159,18 +159,18 @@ TEST(Uncatalogued, TheErrorDependsOnJustTheVariablesItStates) {
 }
 
 TEST(Uncatalogued, AnErrorByTheDirectionOfTravelIsTheSameAtEverySpeed) {
-  const Simulation s = run("uncatalogued_reversal_heave:x/z=2um", 3);
+  const Simulation s = run("uncatalogued_friction_lever:x/y=2um", 3);
   const Source& source = s.truth->physics().sources[0];
   const auto at = [&](double velocity) {
     Condition c = conditionsOf(s)[0];
     c.velocity = {velocity, 1e-3, -1e-3};
     Distortion d(3);
     source(c, d);
-    return d.travel[2];
+    return d.travel[0];
   };
   EXPECT_NEAR(at(1e-3), at(4e-3), 1e-12);
   EXPECT_NEAR(at(-1e-3), at(-4e-3), 1e-12);
-  EXPECT_NEAR(std::abs(at(1e-3) - at(-1e-3)), 4e-6, 0.3e-6);
+  EXPECT_GT(std::abs(at(1e-3) - at(-1e-3)), 1e-6);
 }
 
 TEST(Uncatalogued, WhatWasHiddenCanBeHiddenAgainAndScales) {
@@ -209,7 +209,7 @@ TEST(Uncatalogued, OnlyTheirOwnRandomDrawsThem) {
 TEST(Uncatalogued, WhatThePlanCannotShowIsRefused) {
   const Plan standing = Plan::parse("reference: {joint: x, positions_mm: [10, 150], runs: 1}\n", "reference",
                                     {}, Machine::load("five_axis"));
-  for (const char* text : {"uncatalogued_reversal_heave:x/z=1um",  // nothing is touched
+  for (const char* text : {"uncatalogued_friction_lever:x/y=1um",  // nothing is touched
                            "uncatalogued_diagonal_ribs:y/z=1um",   // y and z stand still
                            "uncatalogued_nothing", "uncatalogued_guide_load:x/x=1um", "random_uncatalogue"}) {
     SimulationRequest request;
