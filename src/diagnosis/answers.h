@@ -50,8 +50,10 @@ void takeParameters(const CalibrationResult& full, int first, const std::vector<
 /// @param first parameter of the answers.
 std::vector<char> whatRanOff(const ResidualSpace& space, const std::vector<Answer>& answers,
                              const CalibrationResult& full, int first, std::size_t members);
-/// Sizes by the fit that knows the form of the balls, where they have one: least squares do not.
-void allowForForm(const Search& search, const Explanation& found, Diagnosis& out);
+/// Sizes by the fit that knows the form of the balls and how large what comes with a cause usually is, where
+/// there is either: least squares do not. @param parts what comes with a cause (PosteriorAnswer::parts).
+void takeRegularised(const Search& search, const Explanation& found, const std::vector<Member>& parts,
+                     Diagnosis& out);
 /// Every cause that was asked: its gain with nothing else but the noise. Its odds are the sample's
 /// (takeOdds).
 void listCandidates(const Search& search, const Explanation& found, const HeldOut& held, double unit,

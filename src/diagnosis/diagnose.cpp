@@ -337,7 +337,7 @@ class Diagnoser {
     out_.heldOutBefore = held.before() * unit;
     out_.heldOut = held.all() * unit;
     report("answers", 0.85);
-    allowForForm(search, found, out_);
+    takeRegularised(search, found, look.posterior.parts, out_);
     DriftReport drift = driftOf(search, found, look.posterior);
     out_.drift = std::move(drift.drift);
     listCandidates(search, found, held, unit, out_);

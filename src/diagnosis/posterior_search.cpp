@@ -161,6 +161,32 @@ Explanation explanationOf(const Questions& q, const PosteriorProblem& problem, c
   return search.refitted(members, start);
 }
 
+namespace {
+
+/// What may act as a part of a cause that is named.
+ActingSet partsOfNamed(const PosteriorProblem& problem, const PosteriorAnswer& answer) {
+  std::set<int> named;
+  for (const Slot& slot : answer.slots)
+    if (slot.named) named.insert(slot.causes.begin(), slot.causes.end());
+  ActingSet parts;
+  for (std::size_t c = 0; c < problem.causes.size(); ++c) {
+    const int cause = static_cast<int>(c);
+    const auto& partOf = problem.causes[c].partOf;
+    const bool ofNamed =
+        std::any_of(partOf.begin(), partOf.end(), [&](const auto& of) { return named.count(of.first) > 0; });
+    if (!ofNamed || named.count(cause) > 0) continue;
+    double acts = 0.0;
+    for (std::size_t i = 0; i < answer.sample.visits.size(); ++i)
+      for (const Acting& a : answer.sample.visits[i].set)
+        if (problem.shapes[static_cast<std::size_t>(a.shape)].cause == cause)
+          acts += answer.sample.weights[i];
+    if (acts > kPossible) parts.push_back(shapeOf(answer.sample, problem, cause));
+  }
+  return parts;
+}
+
+}  // namespace
+
 PosteriorAnswer answerOf(const Questions& q, const PosteriorProblem& problem, PosteriorSample sample) {
   PosteriorAnswer out;
   out.sample = std::move(sample);
@@ -182,6 +208,8 @@ PosteriorAnswer answerOf(const Questions& q, const PosteriorProblem& problem, Po
   const NoiseState& noise =
       (*std::max_element(out.sample.pool.begin(), out.sample.pool.end(), densest))->state();
   out.found = explanationOf(q, problem, named, noise, &out.curveNames);
+  const Search search(q);
+  out.parts = membersOf(search, *search.evidenceAt(out.found), problem, partsOfNamed(problem, out));
   for (CurveName& name : out.curveNames)
     name.probability *= out.sample.inclusion[static_cast<std::size_t>(name.curve)];
   return out;

@@ -20,6 +20,9 @@ struct PosteriorAnswer {
   std::vector<Slot> slots;     // likeliest first; causes are groups of the questions
   std::vector<int> likeliest;  // a group: its shape of most probability, -1: none was visited
   Explanation found;           // the leaders of the named slots, refitted
+  /// What may come with a cause that is named as real parts are made, and is no cause of its own: the sizes
+  /// of those that are named are those beside it.
+  std::vector<Member> parts = {};
   std::vector<CurveName> curveNames = {};
 
   /// A cause that does not clearly predict is not named; it acts where it predicts anything, too.

@@ -110,13 +110,16 @@ std::vector<char> curvesForTheRest(const Search& search, const Explanation& foun
   return curves;
 }
 
-void allowForForm(const Search& search, const Explanation& found, Diagnosis& out) {
+void takeRegularised(const Search& search, const Explanation& found, const std::vector<Member>& parts,
+                     Diagnosis& out) {
   const Questions& q = search.questions();
   bool form = false;
   for (std::size_t b = 0; b < q.scatter.size(); ++b)
     form = form || (q.scatterNames[b] == "form" && found.scatter[b] > 0.0);
-  if (!form || found.members.empty()) return;
-  const Evidence::Fit fit = search.evidenceAt(found)->fit(found.members);
+  if ((!form && parts.empty()) || found.members.empty()) return;
+  std::vector<Member> members = found.members;
+  members.insert(members.end(), parts.begin(), parts.end());
+  const Evidence::Fit fit = search.evidenceAt(found)->fit(members);
   for (std::size_t j = 0; j < found.members.size(); ++j) {
     const Member& m = found.members[j];
     const Shape& shape = q.groups.groups[m.group].shapes[m.shape];
