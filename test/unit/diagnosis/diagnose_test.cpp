@@ -123,6 +123,21 @@ TEST(Diagnose, AScaleIsNotTakenForAnExpansionOfFortyTimesSteel) {
   EXPECT_LT(d.missing.back().heldOutAfter, 0.4e-6) << d.sentence;
 }
 
+// A carriage that tips about a place 60 mm beside the origin: an angle of 20 arcsec and a step of 5.8 um.
+TEST(Diagnose, ACarriageThatTipsAboutAPlaceOfItsOwnHasItsAngleAndItsStep) {
+  const Simulation s =
+      measured({"angular_reversal:y/z=20arcsec", "straightness_reversal:y/x=5.8um"}, 5, true);
+  const Diagnosis d = diagnosed(s.session);
+  ASSERT_EQ(d.missing.size(), 2u) << d.sentence;
+  for (const CandidateResult& m : d.missing) {
+    const NamedValue& p = m.parameters[0];
+    const double hidden = m.effect.type == "angular_reversal" ? 20.0 : 5.8;
+    EXPECT_NEAR(p.value, hidden, 3.0 * p.std) << d.sentence;
+  }
+  EXPECT_TRUE(names(d, "angular_reversal", "about", "z")) << d.sentence;
+  EXPECT_TRUE(names(d, "straightness_reversal", "direction", "x")) << d.sentence;
+}
+
 TEST(Diagnose, APlateBesideItsKnownPlaceHidesNothing) {
   // its file states how well it is known, and it lies a tenth of a millimetre beside its place, or 1.5 um
   // lower than stated: no cause is a constant
