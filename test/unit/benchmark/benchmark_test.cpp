@@ -158,20 +158,6 @@ TEST(SessionVariant, OneSidedContactsMoveOneWay) {
     for (int k = 0; k < 3; ++k) EXPECT_LT(state.approach(k), 0.0);
 }
 
-TEST(SessionVariant, ContactsFromOneSideDoNotShowWhatReversalDoes) {
-  SessionVariant variant;
-  variant.contacts = 90;
-  SimulationRequest request;
-  const Machine machine = Machine::load("three_axis");
-  for (const char* text : {"uncatalogued_warm_nut:x/motor=1um", "uncatalogued_warm_nut:y/motor=1um"}) {
-    request.hide = {text};
-    variant.oneSided = true;
-    EXPECT_THROW(makeInstrument(machine, planOf(variant), request), SourceNotShown) << text;
-    variant.oneSided = false;
-    EXPECT_NO_THROW(makeInstrument(machine, planOf(variant), request)) << text;
-  }
-}
-
 TEST(SessionVariant, FreeCentresAreFree) {
   SessionVariant variant;
   variant.freeCentres = true;

@@ -216,6 +216,10 @@ TEST(Uncatalogued, WhatThePlanCannotShowIsRefused) {
     request.hide = {text};
     EXPECT_THROW(simulate(Machine::load("five_axis"), standing, request), InputError) << text;
   }
+  SimulationRequest request;
+  request.hide = {"uncatalogued_diagonal_ribs:y/z=1um"};
+  EXPECT_THROW(simulate(Machine::load("five_axis"), standing, request), SourceNotShown)
+      << "by which a benchmark draws another";
 }
 
 }  // namespace
