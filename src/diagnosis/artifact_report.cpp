@@ -109,9 +109,8 @@ void fillShared(const Search& search, const Explanation& found, std::size_t bloc
         "the scale of " + joint.name + " wanders during the session, most by " +
         withFactor(expanded(std::abs(farthest * inUnit),
                             std::sqrt(std::max(0.0, variance)) * std::abs(inUnit), nameOfUnit(s.angular))) +
-        " at the ends of its travel, counted from the middle: log the temperatures of its scale or screw and "
-        "of the "
-        "part";
+        " at the ends of its travel, counted from the middle: log the temperatures of its scale or screw "
+        "and of the part";
   } else {
     const std::string kind = is(kRunsOf) ? "run" : "pass";
     s.inWords = "the zero of " + joint.name + " shifts from " + kind + " to " + kind + ", " + largest +

@@ -116,9 +116,14 @@ void takeRegularised(const Search& search, const Explanation& found, const std::
   bool form = false;
   for (std::size_t b = 0; b < q.scatter.size(); ++b)
     form = form || (q.scatterNames[b] == "form" && found.scatter[b] > 0.0);
-  if ((!form && parts.empty()) || found.members.empty()) return;
+  const auto& groups = q.groups.groups;
   std::vector<Member> members = found.members;
-  members.insert(members.end(), parts.begin(), parts.end());
+  for (const Member& part : parts)
+    if (std::any_of(found.members.begin(), found.members.end(), [&](const Member& whole) {
+          return groups[whole.group].parts.count(groups[part.group].key) > 0;
+        }))
+      members.push_back(part);
+  if (members.empty() || (!form && members.size() == found.members.size())) return;
   const Evidence::Fit fit = search.evidenceAt(found)->fit(members);
   for (std::size_t j = 0; j < found.members.size(); ++j) {
     const Member& m = found.members[j];

@@ -155,7 +155,14 @@ TEST(SessionVariant, OneSidedContactsMoveOneWay) {
   const Simulation s = run(variant);
   ASSERT_EQ(s.states.size(), 90u);
   for (const TrueState& state : s.states)
-    for (int k = 0; k < 3; ++k) EXPECT_LT(state.approach(k), 0.0);
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_LT(state.approach(k), 0.0);
+      EXPECT_LT(state.travel[static_cast<std::size_t>(k)], 0.0) << "what a reversal does is a constant";
+    }
+  variant.oneSided = false;
+  std::set<double> sides;
+  for (const TrueState& state : run(variant).states) sides.insert(state.travel[0]);
+  EXPECT_GT(sides.size(), 1u) << "and is shown from both sides";
 }
 
 TEST(SessionVariant, FreeCentresAreFree) {

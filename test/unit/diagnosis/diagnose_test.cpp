@@ -138,6 +138,17 @@ TEST(Diagnose, ACarriageThatTipsAboutAPlaceOfItsOwnHasItsAngleAndItsStep) {
   EXPECT_TRUE(names(d, "straightness_reversal", "direction", "x")) << d.sentence;
 }
 
+// A smaller step comes with the angle and is no cause of its own: without it the angle was 36 +- 4 arcsec.
+TEST(Diagnose, TheAngleOfACarriageIsThatBesideTheStepThatComesWithIt) {
+  for (const std::uint64_t seed : {5, 6}) {
+    const Diagnosis d = diagnosed(
+        measured({"angular_reversal:y/z=60arcsec", "straightness_reversal:y/x=4um"}, seed, true).session);
+    ASSERT_EQ(d.missing.size(), 1u) << d.sentence;
+    EXPECT_EQ(d.missing[0].effect, EffectSpec("angular_reversal").set("axis", "y").set("about", "z"));
+    EXPECT_NEAR(d.missing[0].parameters[0].value, 60.0, 3.0 * d.missing[0].parameters[0].std) << d.sentence;
+  }
+}
+
 TEST(Diagnose, APlateBesideItsKnownPlaceHidesNothing) {
   // its file states how well it is known, and it lies a tenth of a millimetre beside its place, or 1.5 um
   // lower than stated: no cause is a constant
