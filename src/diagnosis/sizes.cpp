@@ -30,6 +30,15 @@ std::string beyondUsual(const Parameter& p, double value, double std) {
          "temperature of the part.";
 }
 
+/// The size of a cause is that beside a part of it that is not named.
+void sayWhatComesWith(const Group& group, const Member& part, CandidateResult& whole) {
+  const Shape& shape = group.shapes[static_cast<std::size_t>(part.shape)];
+  const EffectSpec spec = shape.mixed.empty() ? shape.effect->shapedAs(part.nonlinear) : shape.mixed.front();
+  whole.looksTheSame += (whole.looksTheSame.empty() ? "" : " ") +
+                        ("Its size is that beside " + inWords(spec)) +
+                        ", which may come with it: add the cause, then diagnose again.";
+}
+
 }  // namespace
 
 void takeParameters(const CalibrationResult& full, int first, const std::vector<EffectPtr>& effects,
@@ -118,10 +127,12 @@ void takeRegularised(const Search& search, const Explanation& found, const std::
     form = form || (q.scatterNames[b] == "form" && found.scatter[b] > 0.0);
   const auto& groups = q.groups.groups;
   std::vector<Member> members = found.members;
+  const auto comesWith = [&](const Member& part, const Member& whole) {
+    return groups[whole.group].parts.count(groups[part.group].key) > 0;
+  };
   for (const Member& part : parts)
-    if (std::any_of(found.members.begin(), found.members.end(), [&](const Member& whole) {
-          return groups[whole.group].parts.count(groups[part.group].key) > 0;
-        }))
+    if (std::any_of(found.members.begin(), found.members.end(),
+                    [&](const Member& whole) { return comesWith(part, whole); }))
       members.push_back(part);
   if (members.empty() || (!form && members.size() == found.members.size())) return;
   const Evidence::Fit fit = search.evidenceAt(found)->fit(members);
@@ -145,6 +156,8 @@ void takeRegularised(const Search& search, const Explanation& found, const std::
     NamedValue& value = result->parameters[static_cast<std::size_t>(linear[0])];
     value.value = fit.values[j][0] * unit;
     value.std = std::sqrt(fit.covariance[j](0, 0)) * std::abs(unit);
+    for (std::size_t k = found.members.size(); k < members.size(); ++k)
+      if (comesWith(members[k], m)) sayWhatComesWith(groups[members[k].group], members[k], *result);
   }
 }
 

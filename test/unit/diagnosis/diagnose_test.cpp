@@ -146,6 +146,9 @@ TEST(Diagnose, TheAngleOfACarriageIsThatBesideTheStepThatComesWithIt) {
     ASSERT_EQ(d.missing.size(), 1u) << d.sentence;
     EXPECT_EQ(d.missing[0].effect, EffectSpec("angular_reversal").set("axis", "y").set("about", "z"));
     EXPECT_NEAR(d.missing[0].parameters[0].value, 60.0, 3.0 * d.missing[0].parameters[0].std) << d.sentence;
+    EXPECT_NE(d.sentence.find("Its size is that beside sideways step of y in x at reversal, which may come"),
+              std::string::npos)
+        << d.sentence;
   }
 }
 
