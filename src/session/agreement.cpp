@@ -117,6 +117,29 @@ double Geometry::layout(const std::vector<Eigen::Vector3d>& centres, const std::
   return std::sqrt(off.squaredNorm() / static_cast<double>(off.size()));
 }
 
+double Geometry::travelling(const Agreement& base, const Velocities& change) const {
+  double aligned = 0.0;
+  int touches = 0;
+  for (std::size_t f = 0; f < of_.size(); ++f) {
+    if (session_.artifact.features[f].kind != FeatureKind::kBall || !base.centres[f].allFinite()) continue;
+    for (const Observation* o : of_[f]) {
+      if (!std::isnan(o->laserReading)) continue;
+      std::vector<double> velocity = o->velocity;
+      std::replace_if(
+          velocity.begin(), velocity.end(), [](double v) { return std::isnan(v); }, 0.0);
+      if (change) change(velocity);
+      const Eigen::Map<const Eigen::VectorXd> speeds(velocity.data(),
+                                                     static_cast<Eigen::Index>(velocity.size()));
+      const Eigen::Vector3d motion =
+          session_.machine.jacobian(o->position.data(), kNotMeasured).topRows<3>() * speeds;
+      if (motion.isZero(0.0)) continue;
+      aligned += motion.normalized().dot((base.centres[f] - tipOf(*o, {})).normalized());
+      ++touches;
+    }
+  }
+  return touches > 0 ? aligned / touches : kNotMeasured;
+}
+
 std::vector<int> Geometry::names() const {
   std::vector<int> own(of_.size());
   std::iota(own.begin(), own.end(), 0);

@@ -21,6 +21,9 @@ struct Agreement {
 /// What is done to the readings of each row: another unit, a sign, an exchange.
 using Readings = std::function<void(std::vector<double>&)>;
 
+/// What is done to the velocities of each row.
+using Velocities = std::function<void(std::vector<double>&)>;
+
 /// Judges how well the tips of a session lie on the artifact's balls, their centres in its layout, and the
 /// readings where an instrument found them. A few hundred rows of each are enough, and one placement and
 /// stylus of several: the one that was measured most.
@@ -30,6 +33,10 @@ class Geometry {
   explicit Geometry(const Session& session);
   /// @param change of the readings; may be empty.
   Agreement judge(const Readings& change) const;
+  /// @param base judge() of the readings as they are. @param change may be empty.
+  /// @return mean cosine between the tip's motion by the recorded velocities, changed, and the direction to
+  /// the ball's centre, over the touches that have them; NaN: none has.
+  double travelling(const Agreement& base, const Velocities& change) const;
   /// @param names of the feature at each centre. @return m, RMS of a component; 0 where the layout says
   /// nothing. @param turned gets the rotation that it takes.
   double layout(const std::vector<Eigen::Vector3d>& centres, const std::vector<int>& names,

@@ -22,9 +22,7 @@ const char* const kFromOrder = "from the order of positions";
 /// not recorded is known to some degrees only.
 constexpr double kHardly = 0.05, kHardlyUnrecorded = 0.1;
 
-/// Readings at one target differ by what the drive leaves; targets by more.
-constexpr double kSameTarget = 20e-6;  // m or rad
-constexpr double kOfRange = 1e-3;      // of the joint's range in the session, on small machines
+constexpr double kOfRange = 1e-3;  // of the joint's range in the session: kSameTarget of small machines
 
 /// For each joint, from where its travel comes; the observations that got it that way.
 struct Counts {

@@ -3,6 +3,9 @@
 
 namespace mm {
 
+/// Readings at one target differ by what the drive leaves; targets by more.
+constexpr double kSameTarget = 20e-6;  // m or rad
+
 /// Gives joints whose velocity was recorded nowhere in the session a direction of travel, and says so in
 /// `Session::assumed`. For recorded sessions only: a live one tells its motion, or does not know it.
 ///

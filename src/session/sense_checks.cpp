@@ -9,6 +9,7 @@
 #include "base/units.h"
 #include "machine/joint_units.h"
 #include "session/agreement.h"
+#include "session/assumed_travel.h"
 #include "session/row_checks.h"
 
 namespace mm {
@@ -42,6 +43,7 @@ class Asker {
   std::vector<Doubt> ask() {
     temperatures();
     references();
+    directions();
     const double noise = session_.artifact.repeatability;
     constexpr double kTimesNoise = 100.0;
     if (base_.misfit > std::max(kSuspect, std::isfinite(noise) ? kTimesNoise * noise : 0.0)) {
@@ -52,6 +54,7 @@ class Asker {
       tell();
     } else {
       approaches();
+      velocities();
     }
     return std::move(doubts_);
   }
@@ -113,6 +116,31 @@ class Asker {
             "compared with is the same place in all " + std::to_string(count) +
             " rows; was the reading itself meant as the deviation? (else give the positions that " +
             "an independent instrument measured)");
+    }
+  }
+
+  /// Directions of travel against the order of the positions that an instrument measured. (A touch ends in
+  /// the direction of its approach: velocities().)
+  void directions() {
+    constexpr int kFewest = 10;
+    constexpr double kFew = 0.05;  // of the rows; a way from one side only contradicts about half
+    for (std::size_t j = 0; j < session_.machine.joints().size(); ++j) {
+      int rows = 0, agree = 0;
+      const Observation* last = nullptr;
+      for (const Observation& o : session_.observations) {
+        if (o.kind == ObservationKind::kContact) continue;
+        const double moved = last != nullptr ? o.position[j] - last->position[j] : 0.0;
+        last = &o;
+        if (o.travel[j] == 0.0 || std::abs(moved) < kSameTarget) continue;
+        ++rows;
+        agree += moved * o.travel[j] > 0.0;
+      }
+      if (rows < kFewest || agree > kFew * rows) continue;
+      const std::string name = session_.machine.joints()[j].name;
+      first(
+          format("%s moved against its recorded direction of travel in %d of %d rows, by the order of its "
+                 "positions: is the sign of that direction wrong?",
+                 name.c_str(), rows - agree, rows));
     }
   }
 
@@ -253,7 +281,7 @@ class Asker {
 
   /// Recorded approaches that do not point at what was touched.
   void approaches() {
-    constexpr double kAway = -0.8, kBeside = 0.8, kAt = 0.95;
+    constexpr double kAway = -0.8;
     if (!(base_.aligned < kBeside)) return;
     if (base_.aligned < kAway)
       return first(
@@ -269,6 +297,34 @@ class Asker {
                    a.aligned, base_.aligned));
     }
   }
+
+  /// Recorded velocities that do not move the tip into what was touched, and would with another sign or in
+  /// another column. A scan moves along the surface, whatever is changed.
+  void velocities() {
+    if (!(geometry_.travelling(base_, {}) < kBeside)) return;
+    const auto& joints = session_.machine.joints();
+    const auto tried = [&](const std::string& how, const std::string& question, const Velocities& change) {
+      const double aligned = geometry_.travelling(base_, change);
+      if (!(aligned > kAt)) return;
+      first(
+          format("with the velocities of %s the tip moves into the balls (mean cosine %.2f instead of "
+                 "%.2f): %s",
+                 how.c_str(), aligned, geometry_.travelling(base_, {}), question.c_str()));
+    };
+    tried("all joints reversed", "is the sign of their velocities wrong?", [](std::vector<double>& v) {
+      for (double& each : v) each = -each;
+    });
+    for (std::size_t j = 0; j < joints.size(); ++j)
+      tried(joints[j].name + " reversed", "is the sign of its velocity wrong?",
+            [j](std::vector<double>& v) { v[j] = -v[j]; });
+    for (std::size_t i = 0; i < joints.size(); ++i)
+      for (std::size_t j = i + 1; j < joints.size(); ++j)
+        if (linear(i) == linear(j))
+          tried(joints[i].name + " and " + joints[j].name + " exchanged", "are the two mixed up?",
+                [i, j](std::vector<double>& v) { std::swap(v[i], v[j]); });
+  }
+
+  static constexpr double kBeside = 0.8, kAt = 0.95;  // mean cosines: the motion is not, and is, as expected
 
   const Session& session_;
   Geometry geometry_;

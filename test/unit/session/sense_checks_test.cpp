@@ -144,6 +144,57 @@ TEST_F(SenseChecks, AskForTheDirectionOfTheApproach) {
               AllOf(StartsWith("with y_mm reversed"), ::testing::Not(HasSubstr("as well"))));
 }
 
+/// A velocity of another sign or column is a backlash of another sign, or a trigger that comes too early.
+TEST_F(SenseChecks, AskForVelocitiesThatLeaveTheBall) {
+  const auto asked = [&](const std::function<void(Eigen::Vector3d&)>& change) {
+    std::vector<PlateRow> rows = test::plateRows(3e-3);
+    for (PlateRow& r : rows) change(r.velocity);
+    const Artifact plate = parseArtifact(test::plateArtifact(), "plate.yaml");
+    const std::vector<Doubt> doubts = sensibleDoubts(readContactsCsv(
+        folder_.write("v.csv", test::plateCsv(rows, true)), Machine::load("three_axis"), &plate));
+    EXPECT_LE(doubts.size(), 1u);
+    return doubts.empty() ? "" : doubts[0].question;
+  };
+  EXPECT_EQ(asked([](Eigen::Vector3d&) {}), "");
+  EXPECT_EQ(asked([](Eigen::Vector3d& v) { v *= 4.0; }), "");
+  EXPECT_THAT(
+      asked([](Eigen::Vector3d& v) { v.x() *= -1.0; }),
+      AllOf(StartsWith("with the velocities of x reversed the tip moves into the balls (mean cosine 1.00"),
+            HasSubstr("is the sign of its velocity wrong?")));
+  EXPECT_THAT(asked([](Eigen::Vector3d& v) { v *= -1.0; }),
+              StartsWith("with the velocities of all joints reversed"));
+  EXPECT_THAT(asked([](Eigen::Vector3d& v) { std::swap(v.y(), v.z()); }),
+              AllOf(StartsWith("with the velocities of y and z exchanged"), HasSubstr("mixed up?")));
+  // a scan moves along the surface
+  EXPECT_EQ(asked([](Eigen::Vector3d& v) { v = v.cross(Eigen::Vector3d(0.2, -0.5, 0.8)); }), "");
+}
+
+/// Five runs there and back over eleven targets.
+TEST_F(SenseChecks, AskForDirectionsAgainstTheOrderOfPositions) {
+  const auto asked = [&](const std::function<int(int, int)>& direction) {
+    std::string csv = "time_s,x_mm,deviation_x_um,x_velocity_mm_s\n";
+    int time = 0;
+    for (int run = 0; run < 10; ++run)
+      for (int i = 0; i < 11; ++i) {
+        const int way = run % 2 == 0 ? 1 : -1, target = way > 0 ? i : 10 - i;
+        ++time;
+        csv += std::to_string(time) + "," + std::to_string(3 * target) + "," +
+               std::to_string(0.01 * ((7 * time) % 5) - way) + "," + std::to_string(direction(way, i)) + "\n";
+      }
+    const std::vector<Doubt> doubts =
+        sensibleDoubts(readContactsCsv(folder_.write("d.csv", csv), Machine::load("three_axis"), nullptr));
+    EXPECT_LE(doubts.size(), 1u);
+    return doubts.empty() ? "" : doubts[0].question;
+  };
+  EXPECT_EQ(asked([](int way, int) { return way; }), "");
+  EXPECT_EQ(asked([](int, int) { return 1; }), "") << "each target from below";
+  EXPECT_EQ(asked([](int, int) { return 0; }), "");
+  EXPECT_EQ(asked([](int way, int i) { return i % 3 == 0 ? way : -way; }), "") << "no rule of signs";
+  EXPECT_THAT(asked([](int way, int) { return -way; }),
+              AllOf(StartsWith("x moved against its recorded direction of travel in 100 of 100 rows"),
+                    HasSubstr("is the sign of that direction wrong?")));
+}
+
 /// Positions by a tracker: the same questions without a ball.
 TEST_F(SenseChecks, AskOfAnInstrumentsPositions) {
   std::string csv = "time_s,x_mm,y_mm,z_mm,reference_x_mm,reference_y_mm,reference_z_mm\n";
