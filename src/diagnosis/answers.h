@@ -51,10 +51,9 @@ void takeParameters(const CalibrationResult& full, int first, const std::vector<
 std::vector<char> whatRanOff(const ResidualSpace& space, const std::vector<Answer>& answers,
                              const CalibrationResult& full, int first, std::size_t members);
 /// Sizes by the fit that knows the form of the balls and how large what comes with a cause usually is, where
-/// there is either: least squares do not. @param parts what may come with causes (PosteriorAnswer::parts);
-/// only of those that were found it counts.
-void takeRegularised(const Search& search, const Explanation& found, const std::vector<Member>& parts,
-                     Diagnosis& out);
+/// there is either: least squares do not. @param named how many members are causes; those behind them come
+/// with one (withParts).
+void takeRegularised(const Search& search, const Explanation& found, std::size_t named, Diagnosis& out);
 /// Every cause that was asked: its gain with nothing else but the noise. Its odds are the sample's
 /// (takeOdds).
 void listCandidates(const Search& search, const Explanation& found, const HeldOut& held, double unit,

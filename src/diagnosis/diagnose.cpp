@@ -235,10 +235,19 @@ class Diagnoser {
     likely.appendTheRest(look.posterior);
   }
 
+  /// The noise beside what is left of what was found, and what comes with it.
+  static void refitBesideParts(Look& look) {
+    const std::size_t named = look.found.members.size();
+    const Explanation all = withParts(look.questions, look.posterior, look.found);
+    look.found = Search(look.questions).refitted(all.members, all);
+    look.found.members.resize(named);
+  }
+
   /// A name must also predict: a cause that does not clearly lower the error of rows that were not seen may
   /// act, and is not named.
   static void dropWhatPredictsNothing(Look& look) {
     const Search search(look.questions);
+    const auto whole = [&] { return withParts(look.questions, look.posterior, look.found); };
     const Questions rows = rowsOf(look.questions);
     const Search ofRows(rows);
     while (!look.found.members.empty()) {
@@ -246,8 +255,9 @@ class Diagnoser {
       const auto evidence = search.evidenceAt(look.found);
       std::size_t least = 0;
       double worth = std::numeric_limits<double>::infinity();
+      const Explanation all = whole();
       for (std::size_t j = 0; j < look.found.members.size(); ++j) {
-        const std::vector<Member> others = search.beside(*evidence, look.found.members, j);
+        const std::vector<Member> others = search.beside(*evidence, all.members, j);
         const double of = held.worthOf(look.found.members[j], others);
         if (of < worth) worth = of, least = j;
       }
@@ -255,16 +265,17 @@ class Diagnoser {
       std::vector<Member>& members = look.found.members;
       look.posterior.doubt(members[least].group, 0.5 * std::erfc(-worth / std::sqrt(2.0)));
       members.erase(members.begin() + static_cast<long>(least));
-      look.found = search.refitted(members, look.found);
+      refitBesideParts(look);
     }
     // what is likely and not sure enough to be named may rest on one reading just as well
     const HeldOut held(ofRows, look.found);
     const auto evidence = search.evidenceAt(look.found);
+    const std::vector<Member> beside = whole().members;
     for (const Slot& slot : look.posterior.slots) {
       if (slot.named || slot.shares.front() < kLikely) continue;
-      const Gain gain = evidence->gainOf(evidence->given(look.found.members), slot.causes.front());
+      const Gain gain = evidence->gainOf(evidence->given(beside), slot.causes.front());
       if (gain.group < 0) continue;
-      const double worth = held.worthOf(search.memberOf(gain), look.found.members);
+      const double worth = held.worthOf(search.memberOf(gain), beside);
       look.posterior.doubt(gain.group, 0.5 * std::erfc(-worth / std::sqrt(2.0)));
     }
   }
@@ -293,11 +304,10 @@ class Diagnoser {
     }
     const auto least = std::min_element(largest.begin(), largest.end());
     if (least == largest.end() || !(*least < 1.0)) return false;
-    std::vector<Member> members = look.found.members;
     const auto j = least - largest.begin();
-    look.posterior.doubt(members[static_cast<std::size_t>(j)].group, kNoSize);
-    members.erase(members.begin() + j);
-    look.found = search.refitted(members, look.found);
+    look.posterior.doubt(look.found.members[static_cast<std::size_t>(j)].group, kNoSize);
+    look.found.members.erase(look.found.members.begin() + j);
+    refitBesideParts(look);
     return true;
   }
 
@@ -337,8 +347,9 @@ class Diagnoser {
     out_.heldOutBefore = held.before() * unit;
     out_.heldOut = held.all() * unit;
     report("answers", 0.85);
-    takeRegularised(search, found, look.posterior.parts, out_);
-    DriftReport drift = driftOf(search, found, look.posterior);
+    const Explanation whole = withParts(q, look.posterior, found);
+    takeRegularised(search, whole, found.members.size(), out_);
+    DriftReport drift = driftOf(search, whole, look.posterior);
     out_.drift = std::move(drift.drift);
     listCandidates(search, found, held, unit, out_);
     listCannotShow(q, found, out_);
@@ -347,7 +358,7 @@ class Diagnoser {
     out_.noise = drift.spokenOf.white * white;
     out_.noiseStd = search.whiteStdOf(drift.spokenOf) * white;
     takeOdds(q, look.posterior, out_);
-    fillScatter(search, found, unit, out_);
+    fillScatter(search, whole, unit, out_);
     fillMissingInputs(q, out_);
     separate(search, found, out_);
     describeProfiles(search, found, held, unit, out_);

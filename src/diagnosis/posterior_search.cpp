@@ -163,7 +163,7 @@ Explanation explanationOf(const Questions& q, const PosteriorProblem& problem, c
 
 namespace {
 
-/// What may act as a part of a cause that is named.
+/// What acts, likelier than not, as a part of a cause that is named.
 ActingSet partsOfNamed(const PosteriorProblem& problem, const PosteriorAnswer& answer) {
   std::set<int> named;
   for (const Slot& slot : answer.slots)
@@ -180,7 +180,7 @@ ActingSet partsOfNamed(const PosteriorProblem& problem, const PosteriorAnswer& a
       for (const Acting& a : answer.sample.visits[i].set)
         if (problem.shapes[static_cast<std::size_t>(a.shape)].cause == cause)
           acts += answer.sample.weights[i];
-    if (acts > kPossible) parts.push_back(shapeOf(answer.sample, problem, cause));
+    if (acts > kLikelierThanNot) parts.push_back(shapeOf(answer.sample, problem, cause));
   }
   return parts;
 }
@@ -200,7 +200,10 @@ PosteriorAnswer answerOf(const Questions& q, const PosteriorProblem& problem, Po
     const Acting a = slot.named ? shapeOf(out.sample, problem, slot.causes.front()) : Acting{-1, 0};
     if (a.shape >= 0) named.push_back(a);
   }
-  // the noise beside what is named: what may act and is not named has to be told as noise
+  const auto firstPart = static_cast<long>(named.size());
+  const ActingSet parts = partsOfNamed(problem, out);
+  named.insert(named.end(), parts.begin(), parts.end());
+  // the noise beside what is named, and what comes with it: what else may act has to be told as noise
   const auto densest = [&](const std::shared_ptr<const NoiseView>& a,
                            const std::shared_ptr<const NoiseView>& b) {
     return a->logDensity(named) < b->logDensity(named);
@@ -208,11 +211,25 @@ PosteriorAnswer answerOf(const Questions& q, const PosteriorProblem& problem, Po
   const NoiseState& noise =
       (*std::max_element(out.sample.pool.begin(), out.sample.pool.end(), densest))->state();
   out.found = explanationOf(q, problem, named, noise, &out.curveNames);
-  const Search search(q);
-  out.parts = membersOf(search, *search.evidenceAt(out.found), problem, partsOfNamed(problem, out));
+  std::vector<Member>& members = out.found.members;
+  const auto part = members.begin() + firstPart, end = part + static_cast<long>(parts.size());
+  out.parts.assign(part, end);
+  members.erase(part, end);
   for (CurveName& name : out.curveNames)
     name.probability *= out.sample.inclusion[static_cast<std::size_t>(name.curve)];
   return out;
+}
+
+Explanation withParts(const Questions& q, const PosteriorAnswer& answer, Explanation found) {
+  const std::size_t named = found.members.size();
+  for (const Member& part : answer.parts) {
+    const std::string& key = q.groups.groups[static_cast<std::size_t>(part.group)].key;
+    bool comes = false;
+    for (std::size_t j = 0; j < named; ++j)
+      comes |= q.groups.groups[static_cast<std::size_t>(found.members[j].group)].parts.count(key) > 0;
+    if (comes) found.members.push_back(part);
+  }
+  return found;
 }
 
 void PosteriorAnswer::doubt(int group, double probability) {

@@ -19,9 +19,8 @@ struct PosteriorAnswer {
   std::vector<double> rest;    // probability of groups behind those of the sample, beside what it found
   std::vector<Slot> slots;     // likeliest first; causes are groups of the questions
   std::vector<int> likeliest;  // a group: its shape of most probability, -1: none was visited
-  Explanation found;           // the leaders of the named slots, refitted
-  /// What may come with a cause that is named as real parts are made, and is no cause of its own: the sizes
-  /// of those that are named are those beside it.
+  Explanation found;           // the leaders of the named slots; the noise is that beside the parts, too
+  /// What comes with a cause that is named as real parts are made, and is no cause of its own.
   std::vector<Member> parts = {};
   std::vector<CurveName> curveNames = {};
 
@@ -37,6 +36,9 @@ double logPriorOddsOf(const Questions& questions, const Group& group);
 PosteriorProblem problemOf(const Questions& questions, const Groups& groups, double statedFreedoms);
 /// What a sample of the questions says. @param problem of them.
 PosteriorAnswer answerOf(const Questions& questions, const PosteriorProblem& problem, PosteriorSample sample);
+/// What was found, and behind its members the parts that come with any of them: noise, sizes and predictions
+/// are those beside these.
+Explanation withParts(const Questions& questions, const PosteriorAnswer& answer, Explanation found);
 /// The noise alone.
 Explanation noiseOnly(const NoiseState& noise);
 /// What acts, with the nonlinear parameters at their best at this noise. @param evidence of the questions.

@@ -2,8 +2,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "diagnosis/answers.h"
+#include "diagnosis/held_out.h"
 #include "diagnosis/shape_maker.h"
 #include "diagnosis/wording.h"
 #include "effects/linearity.h"
@@ -30,13 +32,20 @@ std::string beyondUsual(const Parameter& p, double value, double std) {
          "temperature of the part.";
 }
 
-/// The size of a cause is that beside a part of it that is not named.
-void sayWhatComesWith(const Group& group, const Member& part, CandidateResult& whole) {
-  const Shape& shape = group.shapes[static_cast<std::size_t>(part.shape)];
-  const EffectSpec spec = shape.mixed.empty() ? shape.effect->shapedAs(part.nonlinear) : shape.mixed.front();
-  whole.looksTheSame += (whole.looksTheSame.empty() ? "" : " ") +
-                        ("Its size is that beside " + inWords(spec)) +
-                        ", which may come with it: add the cause, then diagnose again.";
+/// The size of a member of one linear parameter, by a fit of members. @return none: it is no such member.
+std::optional<NamedValue> sizeOf(const Questions& q, const Member& m, const Eigen::VectorXd& values,
+                                 const Eigen::MatrixXd& covariance) {
+  const Group& group = q.groups.groups[m.group];
+  const Shape& shape = group.shapes[m.shape];
+  const std::vector<int> linear = linearParameters(*shape.effect);
+  if (group.profile || shape.main != 1 || !shape.mixed.empty() || linear.size() != 1) return std::nullopt;
+  const Eigen::VectorXd raw =
+      q.space->columns(*shape.effect, startsAt(*shape.effect, m.nonlinear)).col(linear[0]);
+  if (!(raw.norm() > 0.0)) return std::nullopt;
+  const Parameter& p = shape.effect->parameters()[static_cast<std::size_t>(linear[0])];
+  // the member's first column is the effect's own, in another unit
+  const double unit = m.columns->col(0).dot(raw) / raw.squaredNorm() * p.scale * p.toUnit;
+  return NamedValue{p.name, p.unit, values[0] * unit, std::sqrt(covariance(0, 0)) * std::abs(unit)};
 }
 
 }  // namespace
@@ -119,45 +128,42 @@ std::vector<char> curvesForTheRest(const Search& search, const Explanation& foun
   return curves;
 }
 
-void takeRegularised(const Search& search, const Explanation& found, const std::vector<Member>& parts,
-                     Diagnosis& out) {
+void takeRegularised(const Search& search, const Explanation& found, std::size_t named, Diagnosis& out) {
   const Questions& q = search.questions();
   bool form = false;
   for (std::size_t b = 0; b < q.scatter.size(); ++b)
     form = form || (q.scatterNames[b] == "form" && found.scatter[b] > 0.0);
   const auto& groups = q.groups.groups;
-  std::vector<Member> members = found.members;
-  const auto comesWith = [&](const Member& part, const Member& whole) {
-    return groups[whole.group].parts.count(groups[part.group].key) > 0;
-  };
-  for (const Member& part : parts)
-    if (std::any_of(found.members.begin(), found.members.end(),
-                    [&](const Member& whole) { return comesWith(part, whole); }))
-      members.push_back(part);
-  if (members.empty() || (!form && members.size() == found.members.size())) return;
+  const std::vector<Member>& members = found.members;
+  if (members.empty() || (!form && members.size() == named)) return;
   const Evidence::Fit fit = search.evidenceAt(found)->fit(members);
-  for (std::size_t j = 0; j < found.members.size(); ++j) {
-    const Member& m = found.members[j];
-    const Shape& shape = q.groups.groups[m.group].shapes[m.shape];
-    if (q.groups.groups[m.group].profile || shape.main != 1 || !shape.mixed.empty()) continue;
+  const auto shapeOf = [&](const Member& m) -> const Shape& { return groups[m.group].shapes[m.shape]; };
+  const auto sizeOfMember = [&](std::size_t j) {
+    return sizeOf(q, members[j], fit.values[j], fit.covariance[j]);
+  };
+  for (std::size_t j = 0; j < named; ++j) {
+    const Shape& shape = shapeOf(members[j]);
     const auto result = std::find_if(out.missing.begin(), out.missing.end(), [&](const CandidateResult& r) {
-      return r.effect == shape.spec || r.effect == shape.effect->shapedAs(m.nonlinear);
+      return r.effect == shape.spec || r.effect == shape.effect->shapedAs(members[j].nonlinear);
     });
-    const std::vector<int> linear = linearParameters(*shape.effect);
-    if (result == out.missing.end() || linear.size() != 1 ||
+    const std::optional<NamedValue> size = sizeOfMember(j);
+    if (!size || result == out.missing.end() ||
         result->parameters.size() != static_cast<std::size_t>(shape.effect->parameterCount()))
       continue;
-    const Eigen::MatrixXd raw = q.space->columns(*shape.effect, startsAt(*shape.effect, m.nonlinear));
-    const double norm = raw.col(linear[0]).norm();
-    if (!(norm > 0.0)) continue;
-    const Parameter& p = shape.effect->parameters()[static_cast<std::size_t>(linear[0])];
-    // the member's first column is the effect's own, in another unit
-    const double unit = m.columns->col(0).dot(raw.col(linear[0])) / (norm * norm) * p.scale * p.toUnit;
-    NamedValue& value = result->parameters[static_cast<std::size_t>(linear[0])];
-    value.value = fit.values[j][0] * unit;
-    value.std = std::sqrt(fit.covariance[j](0, 0)) * std::abs(unit);
-    for (std::size_t k = found.members.size(); k < members.size(); ++k)
-      if (comesWith(members[k], m)) sayWhatComesWith(groups[members[k].group], members[k], *result);
+    result->parameters[static_cast<std::size_t>(linearParameters(*shape.effect)[0])] = *size;
+    for (std::size_t k = named; k < members.size(); ++k) {
+      if (groups[members[j].group].parts.count(groups[members[k].group].key) == 0) continue;
+      const Shape& part = shapeOf(members[k]);
+      const EffectSpec spec =
+          part.mixed.empty() ? part.effect->shapedAs(members[k].nonlinear) : part.mixed[0];
+      const std::optional<NamedValue> of = sizeOfMember(k);
+      result->looksTheSame += (result->looksTheSame.empty() ? "" : " ") +
+                              ("Its size is that beside " + inWords(spec)) +
+                              (of ? " (" + expanded(of->value, of->std, of->unit) + ")" : std::string()) +
+                              ", which comes with it (with both, held-out RMS " +
+                              errorInWords(HeldOut(search, found).all() * unitOf(*q.space), out.angular) +
+                              "): add the cause, then diagnose again.";
+    }
   }
 }
 
