@@ -200,7 +200,7 @@ class Diagnoser {
   /// The fit without causes, at the weights that the rows have beside what a look found.
   /// @return whether any is another.
   bool weighAgain(const FullFit& full, const Look& look, CalibrationResult& fitted) const {
-    const FullFit::Start with = full.startOf(look);
+    const FullFit::Start with = full.startOf(look, look.found);
     CalibrationResult refitted;
     try {
       refitted = calibrate(session_, full.with(with.found), fit_, with.x);
@@ -336,18 +336,19 @@ class Diagnoser {
     out_.resolution = q.resolution;
     dropWhatPredictsNothing(look);
     report("held out", 0.7);
+    Explanation whole;
     do {
       out_.missing.clear();
       out_.profiles.clear();
       sortByGain(search, found);
       fillAnswers(search, found, HeldOut(search, found), unit, out_);
-      full.takeSizes(look, fitted, out_);
+      whole = withParts(q, look.posterior, found);
+      full.takeSizes(look, whole, fitted, out_);
     } while (dropWhatHasNoSize(look));
     const HeldOut held(search, found);
     out_.heldOutBefore = held.before() * unit;
     out_.heldOut = held.all() * unit;
     report("answers", 0.85);
-    const Explanation whole = withParts(q, look.posterior, found);
     takeRegularised(search, whole, found.members.size(), out_);
     DriftReport drift = driftOf(search, whole, look.posterior);
     out_.drift = std::move(drift.drift);

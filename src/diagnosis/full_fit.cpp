@@ -24,10 +24,10 @@ Model FullFit::with(const std::vector<EffectPtr>& more) const {
   return Model(model_.machine(), model_.domain(), effects);
 }
 
-FullFit::Start FullFit::startOf(const Look& look) const {
+FullFit::Start FullFit::startOf(const Look& look, const Explanation& found) const {
   Start start;
   start.x = look.space->fitted().x.head(model_.parameterCount());
-  for (const Answer& a : answersOf(Search(look.questions), look.found)) {
+  for (const Answer& a : answersOf(Search(look.questions), found)) {
     start.found.push_back(a.effect);
     append(start.x, a.start);
   }
@@ -70,16 +70,16 @@ CalibrationResult FullFit::fit(const Look& look, const CalibrationResult& fitted
 
 /// A period or a time constant that runs off in the fit of everything is one that the session does not
 /// determine: it is stated as it was found. @return whether any did.
-bool FullFit::holdWhatRanOff(const Look& look, const CalibrationResult& full, Start& start,
-                             Diagnosis& out) const {
-  const std::vector<Answer> answers = answersOf(Search(look.questions), look.found);
+bool FullFit::holdWhatRanOff(const Look& look, const Explanation& found, const CalibrationResult& full,
+                             Start& start, Diagnosis& out) const {
+  const std::vector<Answer> answers = answersOf(Search(look.questions), found);
   const std::vector<char> ranOff =
-      whatRanOff(*look.space, answers, full, model_.parameterCount(), look.found.members.size());
+      whatRanOff(*look.space, answers, full, model_.parameterCount(), found.members.size());
   bool any = false;
   Eigen::VectorXd from = start.x.head(model_.parameterCount());
   for (std::size_t k = 0; k < answers.size(); ++k) {
     const Answer& a = answers[k];
-    const std::vector<double>& nonlinear = look.found.members[static_cast<std::size_t>(a.member)].nonlinear;
+    const std::vector<double>& nonlinear = found.members[static_cast<std::size_t>(a.member)].nonlinear;
     const EffectSpec held = a.effect->shapedAs(nonlinear);
     if (!ranOff[static_cast<std::size_t>(a.member)] || held == a.effect->spec()) {
       append(from, a.start);
@@ -95,19 +95,20 @@ bool FullFit::holdWhatRanOff(const Look& look, const CalibrationResult& full, St
   return any;
 }
 
-void FullFit::takeSizes(const Look& look, const CalibrationResult& fitted, Diagnosis& out) const {
-  if (look.found.members.empty()) return;
+void FullFit::takeSizes(const Look& look, const Explanation& found, const CalibrationResult& fitted,
+                        Diagnosis& out) const {
+  if (found.members.empty()) return;
   const int first = model_.parameterCount();
-  Start start = startOf(look);
+  Start start = startOf(look, found);
   try {
     CalibrationResult full = fit(look, fitted, start.found, start.x);
-    if (holdWhatRanOff(look, full, start, out)) full = fit(look, fitted, start.found, start.x);
+    if (holdWhatRanOff(look, found, full, start, out)) full = fit(look, fitted, start.found, start.x);
     takeParameters(full, first, start.found, out);
     const Search search(look.questions);
-    const std::vector<char> curves = curvesForTheRest(search, look.found);
+    const std::vector<char> curves = curvesForTheRest(search, found);
     if (std::count(curves.begin(), curves.end(), 1) == 0) return;
     // the size of a cause with a curve for its rest is that without the curve
-    const std::vector<Answer> answers = answersOf(search, look.found);
+    const std::vector<Answer> answers = answersOf(search, found);
     std::vector<EffectPtr> others;
     Eigen::VectorXd startOfOthers = start.x.head(first);
     int at = first;

@@ -32,14 +32,16 @@ class FullFit {
     Eigen::VectorXd x;  // of the model's parameters, then theirs; SI
   };
   /// Where a fit of it begins: with the sizes of the linearised model.
-  Start startOf(const Look& look) const;
+  Start startOf(const Look& look, const Explanation& found) const;
   /// The model with more effects.
   Model with(const std::vector<EffectPtr>& more) const;
-  /// Values and uncertainties of what was found, for the diagnosis.
-  void takeSizes(const Look& look, const CalibrationResult& fitted, Diagnosis& out) const;
+  /// Values and uncertainties of what was found, for the diagnosis. @param found with what comes with it.
+  void takeSizes(const Look& look, const Explanation& found, const CalibrationResult& fitted,
+                 Diagnosis& out) const;
 
  private:
-  bool holdWhatRanOff(const Look& look, const CalibrationResult& full, Start& start, Diagnosis& out) const;
+  bool holdWhatRanOff(const Look& look, const Explanation& found, const CalibrationResult& full, Start& start,
+                      Diagnosis& out) const;
   Session withScatter(const Look& look) const;
   CalibrationResult fit(const Look& look, const CalibrationResult& fitted,
                         const std::vector<EffectPtr>& effects, const Eigen::VectorXd& start) const;

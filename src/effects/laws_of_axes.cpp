@@ -239,6 +239,10 @@ bool hasVertical(const EffectSpec&, const Domain& domain) {
 }
 
 /// A covariate rarely acts evenly along an axis: a load bends it where it stands.
+/// At which value a logged quantity does nothing is not known: what it does at all times is as much as what
+/// it does over its range in the session.
+constexpr double kZeroOfQuantity = 1.0;
+
 Law covariateScale(SpecReader& read) {
   const int axis = read.joint("axis"), covariate = read.covariate("covariate");
   const Joint& joint = read.jointAt(axis);
@@ -251,6 +255,7 @@ Law covariateScale(SpecReader& read) {
                       return s.position[axis] * (s.covariate[covariate] - reference);
                     });
   law.nature.variesAlong = law.nature.mustMove = {axis};
+  law.freedom.push_back({EffectSpec("scale").set("axis", joint.name), kZeroOfQuantity});
   return law;
 }
 

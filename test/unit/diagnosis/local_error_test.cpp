@@ -427,6 +427,35 @@ TEST(LocalError, AScaleThatWandersIsNoExpansionWithTheAir) {
   EXPECT_GE(told, 3) << "of 4";
 }
 
+// A scale that is right at 1013.25 hPa, where the session has 1004, was told as a scale beside that by
+// pressure.
+TEST(LocalError, TheZeroOfAQuantityIsNoScaleOfItsOwn) {
+  constexpr double kRight = 1013.25, kByPressure = 0.6;  // hPa, um/m/hPa
+  for (int seed = 1; seed <= std::max(2, seeds()); ++seed) {
+    RandomNumbers random(static_cast<std::uint64_t>(seed));
+    Session session = sessionOf(0.02e-6);
+    session.covariates.push_back({"pressure", "hPa", {}, {}});
+    const std::vector<double> places = {-18.0, -9.0, 0.0, 9.0, 18.0};
+    for (int run = 0; run < 24; ++run) {
+      const double pressure = 1004.0 + 5.0 * std::sin(0.9 * run);
+      addRun(session, run, places, [&](std::size_t i, double) {
+        return kByPressure * 1e-3 * places[i] * (pressure - kRight) + random.normal(0.02);
+      });
+      for (auto row = session.observations.end() - static_cast<long>(places.size());
+           row != session.observations.end(); ++row) {
+        session.covariates[0].time.push_back(row->time);
+        session.covariates[0].value.push_back(pressure);
+      }
+    }
+    const Diagnosis d = diagnosisOf(session);
+    ASSERT_EQ(d.missing.size(), 1u) << d.sentence;
+    EXPECT_EQ(d.missing[0].effect.type, "covariate_scale") << d.sentence;
+    const NamedValue& slope = d.missing[0].parameters[0];
+    EXPECT_NEAR(slope.value, kByPressure, 3.0 * slope.std) << d.sentence;
+    EXPECT_THAT(d.sentence, testing::HasSubstr("Its size is that beside scale of x (")) << d.sentence;
+  }
+}
+
 // The axis of a table 5 um beside its place was told as a warm-up that had settled before the second stop
 TEST(LocalError, TheAxisOfATableIsNamedAndNoWarmUp) {
   Session session(test::movingColumn());
