@@ -11,10 +11,10 @@
 namespace mm {
 namespace {
 
-/// Points whose extent across a line is below a thousandth of that along it (squares: 1e-6) do not tell the
-/// rotation about the line.
-constexpr double kOneLine = 1e-6;
-constexpr double kSameLine = 1e-12;  // sine of an angle: less is rounding, and has no axis
+/// Points that lie closer together than machines err, or across a line than a thousandth of its length, tell
+/// no rotation: there it is the smallest, as axes of an instrument are set up along those of the machine.
+constexpr double kOnePlace = 50e-6;  // m
+constexpr double kOneLine = 1e-3;
 
 /// What one stylus touched of one feature in one placement.
 struct Spot {
@@ -259,18 +259,12 @@ void startFreeFeatures(Session& session) {
 RigidMotion rigidMotion(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to) {
   const Eigen::Vector3d a = from.rowwise().mean(), b = to.rowwise().mean();
   const Eigen::Matrix3Xd around = from.colwise() - a;
-  const Eigen::VectorXd extent = SymmetricEigen(around * around.transpose()).values;
   RigidMotion motion;
-  if (extent[1] > kOneLine * extent[2]) {
-    motion.rotation = nearestRotation((to.colwise() - b) * around.transpose());
-  } else if (from.cols() > 1) {  // on one line: the shortest rotation
-    const Eigen::Vector3d u = from.rightCols<1>() - from.leftCols<1>(),
-                          v = to.rightCols<1>() - to.leftCols<1>();
-    const Eigen::Vector3d normal = u.cross(v);
-    const Eigen::Vector3d axis =
-        normal.norm() > kSameLine * u.norm() * v.norm() ? normal.normalized() : u.unitOrthogonal();
-    motion.rotation = Eigen::AngleAxisd(std::atan2(normal.norm(), u.dot(v)), axis).toRotationMatrix();
-  }
+  const double none =
+      static_cast<double>(from.cols()) * kOnePlace * kOnePlace + kOneLine * kOneLine * around.squaredNorm();
+  const Eigen::Matrix3d both = (to.colwise() - b) * around.transpose();
+  constexpr int kExact = 4;  // each time what the points tell is held back by `none` less
+  for (int k = 0; k < kExact; ++k) motion.rotation = nearestRotation(both + none * motion.rotation);
   motion.translation = b - motion.rotation * a;
   return motion;
 }

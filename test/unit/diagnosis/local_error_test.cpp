@@ -484,6 +484,38 @@ TEST(LocalError, TheAxisOfATableIsNamedAndNoWarmUp) {
   EXPECT_NEAR(d.missing[0].parameters[0].value, 5.0, 2.0 * d.missing[0].parameters[0].std + 0.1) << told(d);
 }
 
+// Readings of one place over hours (ISO 230-3, ETVE) tell no rotation of the instrument: by that which fitted
+// their noise the growth of z was told along all three axes
+TEST(LocalError, WhatGrowsAtOnePlaceGrowsAlongItsOwnAxis) {
+  for (int seed = 1; seed <= std::max(2, seeds()); ++seed) {
+    RandomNumbers random(static_cast<std::uint64_t>(seed));
+    Session session = sessionOf(0.15e-6);
+    session.temperatures.push_back({"spindle", "degC", {}, {}});
+    const double tilt = random.uniform(-0.02, 0.02);  // of the instrument, as it is set up
+    for (int i = 0; i < 150; ++i) {
+      const double time = 300.0 * i, spindle = 21.0 + 5.0 * (1.0 - std::exp(-time / 9000.0));
+      Observation o;
+      o.kind = ObservationKind::kPosition;
+      o.time = time;
+      o.position = {10e-3, 5e-3, -3e-3};
+      o.velocity.assign(3, kNotMeasured);
+      const double growth = 0.3e-6 * (spindle - 20.0);
+      o.reference =
+          Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()) * Eigen::Vector3d(10e-3, 5e-3, -3e-3 + growth);
+      for (int k = 0; k < 3; ++k) o.reference[k] += random.normal(0.15e-6);
+      session.observations.push_back(o);
+      session.temperatures[0].time.push_back(time);
+      session.temperatures[0].value.push_back(spindle);
+    }
+    const Diagnosis d = diagnosisOf(session);
+    ASSERT_EQ(d.missing.size(), 1u) << told(d);
+    EXPECT_EQ(d.missing[0].effect.type, "thermal_growth") << told(d);
+    EXPECT_EQ(d.missing[0].effect.text("direction"), "z") << told(d);
+    EXPECT_NEAR(d.missing[0].parameters[0].value, 0.3, 3.0 * d.missing[0].parameters[0].std + 0.003)
+        << told(d);
+  }
+}
+
 // What differs from one stop to the next is a clamp's only where an angle was reached again
 TEST(LocalError, StopsThatWereReachedOnceTellNoClamp) {
   Session session(Machine::load("five_axis"));

@@ -69,6 +69,12 @@ TEST(RigidMotion, isARotationWhateverThePointsDetermine) {
   EXPECT_NEAR(rotation.determinant(), 1.0, 1e-14);
   EXPECT_LT((rotation * line - turned * line).norm(), 1e-15);
 
+  // readings of one place that grew: their rotation was what the noise said
+  Eigen::Matrix3Xd place = Eigen::Matrix3Xd::Zero(3, 50), grown = place;
+  for (Eigen::Index i = 0; i < place.cols(); ++i)
+    grown.col(i) = Eigen::Vector3d(0.2e-6 * std::sin(7.0 * i), 0.2e-6 * std::cos(5.0 * i), 0.1e-6 * i),
+    place(0, i) = 1e-7 * std::sin(3.0 * i);
+  EXPECT_LT((rigidMotion(grown, place).rotation - Eigen::Matrix3d::Identity()).norm(), 1e-3);
   const RigidMotion shifted = rigidMotion(from.leftCols<1>(), from.leftCols<1>().colwise() + shift);
   EXPECT_EQ(shifted.rotation, Eigen::Matrix3d::Identity());
   EXPECT_LT((shifted.translation - shift).norm(), 1e-18);
