@@ -95,7 +95,7 @@ const kVerdicts = {
   missing_effect: "Missing effect", scatter: "Scatter", explained: "Explained",
 };
 /** What is said of another explanation, behind its name. */
-const rivalText = (c) => (c.same ? ": the same error expressed in another frame; no measurement on this machine separates them" :
+const rivalText = (c) => (c.same ? ": does the same wherever measurements of this kind reach; none separates them" :
   c.not_recorded ? ": cannot be excluded, " + c.not_recorded.replace(/^(the )?/, "the ") + " was not recorded" : ", odds " + c.odds_in_words);
 
 /** The share of a meter that is full, as a width. */

@@ -30,7 +30,7 @@ struct Confusable {
   EffectSpec effect;
   double delta = 0.0;  // log evidence of the named one minus that of this one, nats; below 3
   double odds = 0.0;   // posterior probability of this one among the named one and all its rivals, 0 … 1
-  /// The two are one error expressed in two frames: no measurement on this machine separates them.
+  /// The two do the same wherever measurements of the session's kind reach: none separates them.
   bool same = false;
   /// Not empty: an input of it that the session did not record, so that it can only be excluded by recording
   /// it.

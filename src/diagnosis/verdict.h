@@ -7,7 +7,8 @@ namespace mm {
 /// stated, within a factor of 1.3; from repeats, within what their degrees of freedom let chance do once in a
 /// hundred.
 void decide(Diagnosis& out);
-/// Whether another cause may act in its place: one that is not the same error in another frame.
+/// Whether another cause may act in its place: one that does not do the same wherever the session's kind of
+/// measurement reaches.
 bool hasRivals(const CandidateResult& missing);
 /// What an axis has from position to position, or from run to run; null: nothing.
 const ArtifactScatter* ofAnAxis(const Diagnosis& diagnosis);

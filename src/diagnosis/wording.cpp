@@ -115,17 +115,16 @@ std::string missingSentence(const Diagnosis& d) {
 /// Where a named effect is the same as another, or another that was not recorded may be in its place.
 std::string rivalRemarks(const CandidateResult& c) {
   std::string text;
-  std::vector<EffectSpec> frames = {c.effect};
+  std::vector<EffectSpec> alike = {c.effect};
   std::vector<std::string> inputs;
   for (const Confusable& rival : c.confusableWith) {
-    if (rival.same) frames.push_back(rival.effect);
+    if (rival.same) alike.push_back(rival.effect);
     const bool told = std::find(inputs.begin(), inputs.end(), rival.notRecorded) != inputs.end();
     if (!rival.same && !rival.notRecorded.empty() && !told) inputs.push_back(rival.notRecorded);
   }
-  if (frames.size() > 1)
-    text += " " + capitalized(listInWords(frames)) + " are the same error expressed in " +
-            (frames.size() == 2 ? "two" : "several") +
-            " frames: no measurement on this machine separates them.";
+  if (alike.size() > 1)
+    text += " " + capitalized(listInWords(alike)) +
+            " do the same wherever measurements of this kind reach: none separates them.";
   for (const std::string& input : inputs) {
     std::vector<EffectSpec> hidden;
     for (const Confusable& rival : c.confusableWith)
@@ -278,8 +277,7 @@ std::string sentenceOf(const Diagnosis& d) {
 }
 
 std::string whyNotApart(const Confusable& rival) {
-  if (rival.same)
-    return "the same error expressed in another frame: no measurement on this machine separates them";
+  if (rival.same) return "does the same wherever measurements of this kind reach: none separates them";
   if (rival.notRecorded.empty()) return {};
   return "cannot be excluded: " + inputInWords(rival.notRecorded) + " was not recorded";
 }

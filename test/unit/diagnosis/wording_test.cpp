@@ -255,10 +255,9 @@ TEST(Sentence, OneErrorInTwoFramesIsNoMatterForMoves) {
   d.missing[0].confusableWith = {same};
   d.nextMeasurement.resize(1);
   const std::string text = sentenceOf(d);
-  EXPECT_NE(
-      text.find("Zero of pan and tilt of the axis of pan about z are the same error expressed in two frames: "
-                "no measurement on this machine separates them."),
-      std::string::npos)
+  EXPECT_NE(text.find("Zero of pan and tilt of the axis of pan about z do the same wherever measurements of "
+                      "this kind reach: none separates them."),
+            std::string::npos)
       << text;
   EXPECT_EQ(text.find("moves"), std::string::npos) << text;
 }

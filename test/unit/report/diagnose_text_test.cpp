@@ -57,7 +57,7 @@ TEST(DiagnoseText, RivalsWithTheirOddsAndWhatWouldTell) {
   EXPECT_TRUE(
       has(text, "    or instead        trigger delay, 1 to 2; to separate them: touch x at two speeds\n"))
       << text;
-  EXPECT_TRUE(has(text, "zero of b; the same error expressed in another frame")) << text;
+  EXPECT_TRUE(has(text, "zero of b; does the same wherever measurements of this kind reach")) << text;
   EXPECT_TRUE(has(text, "backlash of y; cannot be excluded: the direction of travel of y was not")) << text;
   // the moves first, then what may be added without them
   const std::size_t moves = text.find("mm diagnose plate.bag --calibration plate.yaml --moves moves.yaml"),

@@ -34,7 +34,7 @@ TEST(NextToAdd, IsWhatIsCertainBeforeWhatMayBeAnother) {
   d.missing[1].confusableWith = d.missing[0].confusableWith;
   EXPECT_EQ(*nextToAdd(d), d.missing[0].effect) << "none is: the likeliest";
   d.missing[0].confusableWith[0].same = true;
-  EXPECT_EQ(*nextToAdd(d), d.missing[0].effect) << "the same error in another frame is no other";
+  EXPECT_EQ(*nextToAdd(d), d.missing[0].effect) << "what no measurement separates is no other";
 }
 
 }  // namespace
