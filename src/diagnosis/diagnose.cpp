@@ -272,7 +272,9 @@ class Diagnoser {
     const auto evidence = search.evidenceAt(look.found);
     const std::vector<Member> beside = whole().members;
     for (const Slot& slot : look.posterior.slots) {
-      if (slot.named || slot.shares.front() < kLikely) continue;
+      const bool comesWithOne = std::any_of(beside.begin(), beside.end(),
+                                            [&](const Member& m) { return m.group == slot.causes.front(); });
+      if (slot.named || slot.shares.front() < kLikely || comesWithOne) continue;
       const Gain gain = evidence->gainOf(evidence->given(beside), slot.causes.front());
       if (gain.group < 0) continue;
       const double worth = held.worthOf(search.memberOf(gain), beside);
