@@ -157,12 +157,12 @@ void takeRegularised(const Search& search, const Explanation& found, std::size_t
       const EffectSpec spec =
           part.mixed.empty() ? part.effect->shapedAs(members[k].nonlinear) : part.mixed[0];
       const std::optional<NamedValue> of = sizeOfMember(k);
-      result->looksTheSame += (result->looksTheSame.empty() ? "" : " ") +
-                              ("Its size is that beside " + inWords(spec)) +
-                              (of ? " (" + expanded(of->value, of->std, of->unit) + ")" : std::string()) +
-                              ", which comes with it (with both, held-out RMS " +
-                              errorInWords(HeldOut(search, found).all() * unitOf(*q.space), out.angular) +
-                              "): add the cause, then diagnose again.";
+      result->looksTheSame +=
+          (result->looksTheSame.empty() ? "" : " ") + ("Its size is that beside " + inWords(spec)) +
+          (of ? " (" + expanded(of->value, of->std, of->unit) + ", k = 2)" : std::string()) +
+          ", which comes with it (with both, held-out RMS " +
+          errorInWords(HeldOut(search, found).all() * unitOf(*q.space), out.angular) +
+          "): add the cause, then diagnose again.";
     }
   }
 }

@@ -301,7 +301,8 @@ class Asker {
   /// Recorded velocities that do not move the tip into what was touched, and would with another sign or in
   /// another column. A scan moves along the surface, whatever is changed.
   void velocities() {
-    if (!(geometry_.travelling(base_, {}) < kBeside)) return;
+    const double recorded = geometry_.travelling(base_, {});
+    if (!(recorded < kBeside)) return;
     const auto& joints = session_.machine.joints();
     const auto tried = [&](const std::string& how, const std::string& question, const Velocities& change) {
       const double aligned = geometry_.travelling(base_, change);
@@ -309,7 +310,7 @@ class Asker {
       first(
           format("with the velocities of %s the tip moves into the balls (mean cosine %.2f instead of "
                  "%.2f): %s",
-                 how.c_str(), aligned, geometry_.travelling(base_, {}), question.c_str()));
+                 how.c_str(), aligned, recorded, question.c_str()));
     };
     tried("all joints reversed", "is the sign of their velocities wrong?", [](std::vector<double>& v) {
       for (double& each : v) each = -each;
