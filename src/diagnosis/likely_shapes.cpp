@@ -75,18 +75,18 @@ std::vector<LikelyShapes::Asked> LikelyShapes::askPart(ListPart& part, const Noi
     part.problem.scatter.push_back({kept_.at(t.group).at(t.shape).columns, size, 0.0, true});
     state.scatter.push_back(size);
   }
-  const Conditionals look = NoiseView(part.problem, state).look({});
-  const double most = *std::max_element(look.logOdds.begin(), look.logOdds.end());
+  const auto look = NoiseView(part.problem, state).look({});
+  const double most = *std::max_element(look->logOdds.begin(), look->logOdds.end());
   for (std::size_t g = 0; g < part.groups.size(); ++g) {
     const Group& group = part.groups[g];
     const Cause& cause = part.problem.causes[g];
     if (std::any_of(beside.begin(), beside.end(), [&](const Taken& t) { return t.group == part.first + g; }))
       continue;
     Eigen::Index best = 0;
-    const auto all = look.logWeights.middleRows(cause.first, cause.end - cause.first);
+    const auto all = look->logWeights.middleRows(cause.first, cause.end - cause.first);
     all.rowwise().maxCoeff().maxCoeff(&best);
     for (int s = cause.first; s < cause.end; ++s) {
-      const auto weights = look.logWeights.row(s).transpose();
+      const auto weights = look->logWeights.row(s).transpose();
       Asked one;
       one.logOdds = logSumExp(weights);
       one.likelier =
@@ -100,7 +100,7 @@ std::vector<LikelyShapes::Asked> LikelyShapes::askPart(ListPart& part, const Noi
       const CauseShape& shape = part.problem.shapes[static_cast<std::size_t>(s)];
       one.taken = {part.first + g, s - cause.first, static_cast<int>(size)};
       one.kept.shape = group.shapes[static_cast<std::size_t>(s - cause.first)];
-      one.kept.columns = part.problem.columns.middleCols(shape.first, shape.count);
+      if (!isKept(one.taken)) one.kept.columns = part.problem.columns.middleCols(shape.first, shape.count);
       asked.push_back(std::move(one));
     }
   }
@@ -134,6 +134,11 @@ std::vector<LikelyShapes::Asked> LikelyShapes::ask(const NoiseState& noise, cons
       std::remove_if(asked.begin(), asked.end(), [&](const Asked& a) { return a.logOdds < most - kNear; }),
       asked.end());
   return asked;
+}
+
+bool LikelyShapes::isKept(const Taken& t) const {
+  const auto group = kept_.find(t.group);
+  return group != kept_.end() && group->second.count(t.shape) > 0;
 }
 
 /// @return whether any of them is new.

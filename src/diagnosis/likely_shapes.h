@@ -47,7 +47,7 @@ class LikelyShapes {
     Taken taken;            // at its likeliest size
     double likelier = 0.0;  // log of how much likelier the data make it, its sizes averaged
     double logOdds = 0.0;   // that it acts, with what was known before
-    Kept kept;
+    Kept kept;              // without columns, where kept_ has them
   };
   struct Walk {
     std::vector<Taken> set;
@@ -67,6 +67,7 @@ class LikelyShapes {
   ListPart partOf(const QuestionList& list, std::size_t before, std::size_t first, std::size_t end);
   static const NoiseState& noiseOf(const PosteriorSample& sample);
   std::vector<Taken> foundBy(const PosteriorSample& sample) const;
+  bool isKept(const Taken& t) const;
   bool take(std::vector<Asked> asked);
   /// Two causes that act for one that was found, each far behind it alone: for each of the likeliest first
   /// ones, what completes it. @return whether any is new.

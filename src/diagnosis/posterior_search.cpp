@@ -41,7 +41,7 @@ std::vector<CurveName> nameCurves(const Search& search, const Evidence& evidence
     ActingSet beside = acting;
     others.erase(others.begin() + static_cast<long>(j));
     beside.erase(beside.begin() + static_cast<long>(j));
-    std::vector<double> logOdds = noise.look(beside).logOdds;
+    std::vector<double> logOdds = noise.look(beside)->logOdds;
     for (std::size_t g = 0; g < groups.size(); ++g)
       if (groups[g].profile) logOdds[g] = -std::numeric_limits<double>::infinity();
     for (const Member& m : members)

@@ -113,7 +113,7 @@ Acting PosteriorChain::drawShape(const Conditionals& look, int cause) {
   return {c.first + drawn / kSizes, drawn % kSizes};
 }
 
-void PosteriorChain::moveTo(ActingSet set, Conditionals look, Rates rates) {
+void PosteriorChain::moveTo(ActingSet set, Look look, Rates rates) {
   set_ = std::move(set);
   look_ = std::move(look);
   rates_ = std::move(rates);
@@ -126,19 +126,19 @@ void PosteriorChain::stepSet() {
   if (rates_.logRate.empty()) return;
   const std::size_t move = drawFrom(rates_.logRate);
   ActingSet set = set_;
-  if (move < look_.logOdds.size()) {
+  if (move < look_->logOdds.size()) {
     const int cause = static_cast<int>(move), member = memberOf(set, cause);
     if (member >= 0)
       set.erase(set.begin() + member);
     else
-      insert(set, drawShape(look_, cause));
+      insert(set, drawShape(*look_, cause));
   } else {
-    const std::size_t member = move - look_.logOdds.size();
+    const std::size_t member = move - look_->logOdds.size();
     const int cause = causeOf(set[member]);
-    set[member] = drawShape(look_, cause);
+    set[member] = drawShape(*look_, cause);
   }
-  Conditionals look = view().look(set);
-  Rates rates = ratesOf(look, set);
+  Look look = view().look(set);
+  Rates rates = ratesOf(*look, set);
   moveTo(std::move(set), std::move(look), std::move(rates));
 }
 
@@ -152,8 +152,8 @@ void PosteriorChain::stepNoise() {
   const std::size_t to = drawFrom(proposed);
   if (static_cast<int>(to) == noise_) return;
   const auto from = static_cast<std::size_t>(noise_);
-  Conditionals look = pool_[to]->look(set_);
-  Rates rates = ratesOf(look, set_);
+  Look look = pool_[to]->look(set_);
+  Rates rates = ratesOf(*look, set_);
   const double logRatio = rates.logSum - rates_.logSum + (1.0 - power) * (densities[to] - densities[from]);
   if (std::log(1.0 - random_.uniform()) >= logRatio) return;
   noise_ = static_cast<int>(to);
@@ -170,12 +170,12 @@ double PosteriorChain::drawAsMode(const Mode& mode, const NoiseView& noise, cons
   double log = 0.0;
   for (const Acting& a : mode.set) {
     const int cause = causeOf(a);
-    const Conditionals look = noise.look(drawn);
+    const Look look = noise.look(drawn);
     const Acting now =
-        was != nullptr ? (*was)[static_cast<std::size_t>(memberOf(*was, cause))] : drawShape(look, cause);
+        was != nullptr ? (*was)[static_cast<std::size_t>(memberOf(*was, cause))] : drawShape(*look, cause);
     drawn.erase(drawn.begin() + memberOf(drawn, cause));
     insert(drawn, now);
-    log += logDrawn(look, now);
+    log += logDrawn(*look, now);
   }
   return log;
 }
@@ -201,8 +201,8 @@ void PosteriorChain::stepMode() {
   ActingSet to = beside, same = beside;
   const double there = mode.logNoise[drawn] + drawAsMode(mode, noise, nullptr, to);
   const double back = here.logNoise[static_cast<std::size_t>(noise_)] + drawAsMode(here, view(), &set_, same);
-  Conditionals look = noise.look(to);
-  Rates rates = ratesOf(look, to);
+  Look look = noise.look(to);
+  Rates rates = ratesOf(*look, to);
   const double logRatio =
       noise.logDensity(to) + rates.logSum + back - view().logDensity(set_) - rates_.logSum - there;
   if (std::log(1.0 - random_.uniform()) >= logRatio) return;
@@ -217,25 +217,25 @@ void PosteriorChain::stepTogether() {
   ActingSet common = set_;
   if (out) common.erase(common.begin() + random_.below(static_cast<int>(common.size())));
   // a state of the noise, with none or one of the other causes: drawn by its density
-  std::vector<Conditionals> looks;
+  std::vector<Look> looks;
   std::vector<double> densities;  // a state: with none, then with each cause
   for (std::size_t v = firstFitted_; v < pool_.size(); ++v) {
     const double density = pool_[v]->logDensity(common);
     looks.push_back(pool_[v]->look(common));
     densities.push_back(density);
-    for (const double odds : looks.back().logOdds) densities.push_back(density + odds);
+    for (const double odds : looks.back()->logOdds) densities.push_back(density + odds);
     for (const Acting& a : common)
-      densities[densities.size() - looks.back().logOdds.size() + causeOf(a)] = kNever;
+      densities[densities.size() - looks.back()->logOdds.size() + causeOf(a)] = kNever;
   }
-  const std::size_t each = 1 + looks.front().logOdds.size(), drawn = drawFrom(densities);
+  const std::size_t each = 1 + looks.front()->logOdds.size(), drawn = drawFrom(densities);
   const std::size_t state = drawn / each, cause = drawn % each;
-  if (cause > 0) insert(common, drawShape(looks[state], static_cast<int>(cause) - 1));
+  if (cause > 0) insert(common, drawShape(*looks[state], static_cast<int>(cause) - 1));
   // on the way back one of those that act then is taken out
   const double before = static_cast<double>(set_.size()), after = static_cast<double>(common.size());
   const double logWays = after > before ? -std::log(after) : after < before ? std::log(before) : 0.0;
   const std::size_t to = firstFitted_ + state;
-  Conditionals look = pool_[to]->look(common);
-  Rates rates = ratesOf(look, common);
+  Look look = pool_[to]->look(common);
+  Rates rates = ratesOf(*look, common);
   if (std::log(1.0 - random_.uniform()) >= rates.logSum - rates_.logSum + logWays) return;
   noise_ = static_cast<int>(to);
   moveTo(std::move(common), std::move(look), std::move(rates));
@@ -262,7 +262,7 @@ double PosteriorChain::logPartOf(int cause, const std::vector<double>& sizes) co
     Eigen::ArrayXd logWeights(one.end - one.first);  // of its shapes, one as likely as another
     for (int s = one.first; s < one.end; ++s)
       logWeights[s - one.first] =
-          look_.logWeights(s, size) - problem_.shapes[static_cast<std::size_t>(s)].logPrior[size];
+          look_->logWeights(s, size) - problem_.shapes[static_cast<std::size_t>(s)].logPrior[size];
     logPart = logAdd(logPart, logSumExp(logWeights) - one.logPriorOdds -
                                   std::log(static_cast<double>(one.end - one.first)));
   }
@@ -271,7 +271,7 @@ double PosteriorChain::logPartOf(int cause, const std::vector<double>& sizes) co
 
 void PosteriorChain::run(int steps, std::vector<Visit>* visits) {
   look_ = view().look(set_);
-  rates_ = ratesOf(look_, set_);
+  rates_ = ratesOf(*look_, set_);
   remember();
   for (int step = 0; step < steps; ++step) {
     if (step % kNoiseEvery == 0) stepNoise();
@@ -285,7 +285,7 @@ void PosteriorChain::run(int steps, std::vector<Visit>* visits) {
       const std::vector<double> sizes = sizesOfMembers();
       for (std::size_t c = 0; c < problem_.causes.size(); ++c) {
         const int cause = static_cast<int>(c);
-        const double odds = look_.logOdds[c], part = logPartOf(cause, sizes);
+        const double odds = look_->logOdds[c], part = logPartOf(cause, sizes);
         v.inclusion.push_back(std::exp(-softPlus(logAdd(0.0, part) - odds)));
         if (memberOf(set_, cause) >= 0 && odds > part) v.acting.push_back(cause);
       }

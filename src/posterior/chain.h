@@ -63,6 +63,7 @@ class PosteriorChain {
   const Place& best() const { return densestOf(met_); }  ///< the densest state that it met
 
  private:
+  using Look = std::shared_ptr<const Conditionals>;
   struct Rates {                  // of the moves from a state
     double logSum = 0.0;          // the tempered density is the density times this
     std::vector<double> logRate;  // a cause: that it changes its state; then each member: that its shape does
@@ -79,7 +80,7 @@ class PosteriorChain {
   /// explain instead, and neither can go before the other has come.
   void stepTogether();
   double logDrawn(const Conditionals& look, Acting a) const;  // that drawShape gives it
-  void moveTo(ActingSet set, Conditionals look, Rates rates);
+  void moveTo(ActingSet set, Look look, Rates rates);
   int causeOf(Acting a) const;
   int memberOf(const ActingSet& set, int cause) const;  // its index, -1: it does not act
   Acting drawShape(const Conditionals& look, int cause);
@@ -97,7 +98,7 @@ class PosteriorChain {
   Random random_;
   int noise_ = 0;
   ActingSet set_;
-  Conditionals look_;
+  Look look_;
   Rates rates_;
   std::vector<Mode> modes_;
   PlacesMet met_;

@@ -12,6 +12,14 @@ namespace mm {
 namespace {
 
 constexpr std::size_t kColumnsTogether = 192;  // whitened at a time; part of the layout, not of the threads
+constexpr std::size_t kKeptNumbers = 1 << 19;  // of what was asked lately: 4 MB, and as much before it
+
+/// Of columns with each other: so few that to pack them takes longer.
+Eigen::MatrixXd productsOf(const Eigen::MatrixXd& columns) {
+  Eigen::MatrixXd products(columns.cols(), columns.cols());
+  products.triangularView<Eigen::Lower>() = columns.transpose().lazyProduct(columns);
+  return products.selfadjointView<Eigen::Lower>();
+}
 
 }  // namespace
 
@@ -58,8 +66,7 @@ void NoiseView::makeAll() const {
       const CauseShape& shape = problem_.shapes[s];
       const auto block = part.whitened.middleCols(shape.first - first, shape.count);
       const auto absorbed = part.byFixed.middleCols(shape.first - first, shape.count);
-      products_[s] = block.transpose().lazyProduct(block);  // so few columns that to pack them takes longer
-      products_[s] -= absorbed.transpose().lazyProduct(absorbed);
+      products_[s] = productsOf(block) - productsOf(absorbed);
     }
     byFixed_.middleCols(first, count) = part.byFixed;
   }
@@ -180,11 +187,29 @@ void NoiseView::askShapes(int first, int end, const ActingSet& set, const Joint&
   }
 }
 
-Conditionals NoiseView::look(const ActingSet& set) const {
+/// A chain comes back to where it was in two steps of three.
+std::shared_ptr<const Conditionals> NoiseView::look(const ActingSet& set) const {
   CancelScope::check();
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    for (const auto* kept : {&lately_, &before_}) {
+      const auto found = kept->find(set);
+      if (found != kept->end()) return found->second;
+    }
+  }
+  std::shared_ptr<const Conditionals> answer = ask(set);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (lately_.size() * static_cast<std::size_t>(answer->logWeights.size()) > kKeptNumbers)
+    before_ = std::exchange(lately_, {});
+  lately_.emplace(set, answer);
+  return answer;
+}
+
+std::shared_ptr<const Conditionals> NoiseView::ask(const ActingSet& set) const {
   std::call_once(onceAll_, [this] { makeAll(); });
   const int shapes = static_cast<int>(problem_.shapes.size());
-  Conditionals out;
+  const auto answer = std::make_shared<Conditionals>();
+  Conditionals& out = *answer;
   out.logWeights.resize(shapes, kSizes);
   // what each cause would bring beside those of `beside`
   const auto absorbedBy = [&](const ActingSet& beside, const Joint& joint, int first, int count) {
@@ -222,7 +247,7 @@ Conditionals NoiseView::look(const ActingSet& set) const {
           "the evidence of a cause is not a number, so no cause can be judged; leave rows of extreme values "
           "out of the session, or send it with this line to the maintainers");
   }
-  return out;
+  return answer;
 }
 
 }  // namespace mm

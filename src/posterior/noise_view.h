@@ -32,7 +32,7 @@ class NoiseView {
   /// Log density of this state and set, data included: prior of the noise, of the causes, their shapes and
   /// sizes, and the evidence with coefficients and the scale of the noise integrated out.
   double logDensity(const ActingSet& set) const;
-  Conditionals look(const ActingSet& set) const;
+  std::shared_ptr<const Conditionals> look(const ActingSet& set) const;
   /// Variance of the white noise beside a set, in units of the stated one.
   double whiteVariance(const ActingSet& set) const;
   /// Expected coefficients of the columns of each member of a set, and their covariance.
@@ -52,6 +52,7 @@ class NoiseView {
   const RowMatrix& crossOf(int shape) const;
   Eigen::MatrixXd productOf(int a, int b) const;
   Joint jointOf(const ActingSet& set) const;
+  std::shared_ptr<const Conditionals> ask(const ActingSet& set) const;
   WhitenedRows::Fit fitOf(const Joint& joint) const;
   double logPossible(const ActingSet& set, const Joint& joint) const;
   void makeAll() const;
@@ -71,7 +72,8 @@ class NoiseView {
   mutable std::vector<Eigen::MatrixXd> products_;  // a shape
   mutable std::mutex mutex_;                       // of those below
   mutable std::map<int, std::unique_ptr<OfShape>> kept_;
-  mutable std::map<std::pair<int, int>, Eigen::MatrixXd> keptProducts_;  // of two shapes
+  mutable std::map<std::pair<int, int>, Eigen::MatrixXd> keptProducts_;               // of two shapes
+  mutable std::map<ActingSet, std::shared_ptr<const Conditionals>> lately_, before_;  // asked
 };
 
 /// log(sum(exp(values)))

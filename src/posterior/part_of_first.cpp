@@ -30,7 +30,8 @@ double bothBelow(double h, double k, double correlation) {
 /// Logarithm of that probability: where it is too small to be computed, its bound by the most probable place
 /// at which both are below.
 double logBothBelow(double h, double k, double correlation) {
-  const double probability = bothBelow(h, k, correlation);
+  const bool isLikely = std::min(normalBelow(h), normalBelow(k)) > kExact;
+  const double probability = isLikely ? bothBelow(h, k, correlation) : 0.0;
   if (probability > kExact) return std::log(std::min(probability, 1.0));
   const double rho = std::clamp(correlation, -kCorrelated, kCorrelated);
   double square = (h * h - 2.0 * rho * h * k + k * k) / (1.0 - rho * rho);  // of the distance of the corner
@@ -55,16 +56,16 @@ double logPartOfFirst(const Eigen::Vector2d& mean, const Eigen::Matrix2d& covari
 
 Sizes logPartOfFirst(const Eigen::MatrixXd& products, const Eigen::VectorXd& target, double rest,
                      double freedoms) {
+  const SymmetricEigen axes(products);
+  const Eigen::Matrix2Xd ofTwo = axes.vectors.topRows<2>();
+  const Eigen::ArrayXd along = axes.vectors.transpose() * target;
   Sizes logs;
   for (int s = 0; s < kSizes; ++s) {
     const double square = sizeGrid()[s] * sizeGrid()[s];
-    Eigen::MatrixXd posterior = square * products;
-    posterior.diagonal().array() += 1.0;
-    const Eigen::MatrixXd inverse = square * Cholesky(posterior).inverse();
-    const Eigen::VectorXd mean = inverse * target;
-    const double variance = std::max(0.0, rest - mean.dot(target)) / freedoms;
-    logs[s] = logPartOfFirst(Eigen::Vector2d(mean.head<2>()),
-                             Eigen::Matrix2d(variance * inverse.topLeftCorner<2, 2>()));
+    const Eigen::ArrayXd inverse = square / (1.0 + square * axes.values.array());
+    const Eigen::Vector2d mean = ofTwo * (inverse * along).matrix();
+    const double variance = std::max(0.0, rest - (inverse * along.square()).sum()) / freedoms;
+    logs[s] = logPartOfFirst(mean, variance * ofTwo * inverse.matrix().asDiagonal() * ofTwo.transpose());
   }
   return logs;
 }

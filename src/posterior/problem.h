@@ -1,4 +1,5 @@
 #pragma once
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -50,6 +51,9 @@ struct NoiseState {
 /// A shape that acts, at a size of the grid.
 struct Acting {
   int shape = 0, size = 0;
+  bool operator<(const Acting& other) const {
+    return std::tie(shape, size) < std::tie(other.shape, other.size);
+  }
 };
 /// At most one shape of a cause; ascending in the shapes.
 using ActingSet = std::vector<Acting>;

@@ -69,7 +69,7 @@ TEST(NoiseView, ConditionalsSumShapesAndSizesGivenTheOthers) {
   const SmallProblem small(4);
   const NoiseView view(small.problem, small.walking());
   const ActingSet set = {{0, 6}, {3, 3}};
-  const Conditionals look = view.look(set);
+  const Conditionals look = *view.look(set);
   for (int c = 0; c < 3; ++c) {
     ActingSet others;
     for (const Acting& a : set)
