@@ -22,7 +22,7 @@ class Ending(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.axes = actionlib.SimpleActionClient("axis_driver/move", MoveAction)
-        cls.double = support.Double(25918)
+        cls.double = support.Double(25922)
 
     @classmethod
     def tearDownClass(cls):

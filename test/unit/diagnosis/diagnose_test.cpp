@@ -9,6 +9,7 @@
 #include <iterator>
 
 #include "deviations.h"
+#include "diagnosed.h"
 #include "effects/registry.h"
 #include "long_tests.h"
 #include "model/observed_domain.h"
@@ -20,15 +21,13 @@
 namespace mm {
 namespace {
 
+using test::diagnosed;
+
 constexpr double kNoise = 0.3e-6;  // m, of the plan
 
 Simulation measured(const std::vector<std::string>& hide, std::uint64_t seed, bool whole = false) {
   const Machine machine = Machine::load("three_axis");
   return simulate(machine, test::everydayPlate(machine, whole), {hide, seed, ""});
-}
-
-Diagnosis diagnosed(const Session& session, const std::vector<EffectSpec>& model = {}) {
-  return diagnose(session, Model(session.machine, observedDomain(session), model), {});
 }
 
 bool names(const Diagnosis& d, const std::string& type, const std::string& key, const std::string& value) {

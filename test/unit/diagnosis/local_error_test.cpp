@@ -22,8 +22,8 @@ namespace {
 
 using test_support::RandomNumbers;
 
-constexpr double kNoise = 0.8e-6;  // m
-constexpr double kTravel = 40.0;   // mm, from -20 to 20
+constexpr double kReadingNoise = 0.8e-6;  // m
+constexpr double kTravel = 40.0;          // mm, from -20 to 20
 constexpr int kRuns = 5;
 
 /// um, of mm from the start of the travel.
@@ -61,15 +61,15 @@ Session sessionOf(double repeatability) {
 /// Runs both ways over targets at equal distances.
 Diagnosis diagnosisOf(const Error& error, int targets, std::uint64_t seed,
                       const std::vector<EffectSpec>& model = {}) {
-  Session session = sessionOf(kNoise);
+  Session session = sessionOf(kReadingNoise);
   RandomNumbers random(seed);
   double time = 0.0;
   for (int run = 0; run < kRuns; ++run)
     for (const double way : {1.0, -1.0})
       for (int i = 0; i < targets; ++i) {
         const double x = kTravel * (way > 0.0 ? i : targets - 1 - i) / (targets - 1);
-        session.observations.push_back(
-            deviationAt(x - kTravel / 2.0, way, time += 4.0, error(x) + random.normal(kNoise / kMicrometre)));
+        session.observations.push_back(deviationAt(x - kTravel / 2.0, way, time += 4.0,
+                                                   error(x) + random.normal(kReadingNoise / kMicrometre)));
       }
   return diagnosisOf(std::move(session), model);
 }
@@ -91,7 +91,7 @@ int seeds() { return mm_test::longTests() ? 8 : 2; }
 /// It was told as 0.05 um where drift that was not spoken of, quicker than the measurements, had taken it.
 void knowsTheNoise(const Diagnosis& d) {
   EXPECT_TRUE(d.drift.empty()) << told(d);
-  EXPECT_NEAR(d.noise, kNoise, 4.0 * d.noiseStd) << told(d);
+  EXPECT_NEAR(d.noise, kReadingNoise, 4.0 * d.noiseStd) << told(d);
 }
 
 /// No wave is claimed, and what is claimed predicts what was not used.
@@ -191,16 +191,17 @@ TEST(LocalError, AScrewOfShortLeadIsFoundOnUnequalTargets) {
   for (int seed = 1; seed <= std::max(2, seeds()); ++seed) {
     RandomNumbers random(static_cast<std::uint64_t>(seed));
     const std::vector<double> targets = unequalTargets(31, random, seed % 2 == 0);
-    Session session = sessionOf(kNoise);
+    Session session = sessionOf(kReadingNoise);
     for (int run = 0; run < 10; ++run)
       addRun(session, run, targets, [&](std::size_t i, double) {
-        return 3.0 * std::sin(2.0 * kPi * targets[i] / 0.5 + 1.0) + random.normal(kNoise / kMicrometre);
+        return 3.0 * std::sin(2.0 * kPi * targets[i] / 0.5 + 1.0) +
+               random.normal(kReadingNoise / kMicrometre);
       });
     const Diagnosis d = diagnosisOf(session);
     ASSERT_EQ(d.missing.size(), 1u) << told(d);
     ASSERT_EQ(d.missing[0].effect.type, "lead_screw_periodic") << told(d);
     EXPECT_NEAR(d.missing[0].parameters.back().value, 0.5, 1e-3) << told(d);
-    EXPECT_LT(d.heldOut, 1.15 * kNoise) << told(d);
+    EXPECT_LT(d.heldOut, 1.15 * kReadingNoise) << told(d);
   }
 }
 
@@ -211,10 +212,10 @@ TEST(LocalError, WhatDiffersFromTargetToTargetByChanceIsNoWave) {
     const std::vector<double> targets = unequalTargets(21, random, seed % 2 == 0);
     std::vector<double> errors(targets.size());
     for (double& error : errors) error = random.normal(2.0);
-    Session session = sessionOf(kNoise);
+    Session session = sessionOf(kReadingNoise);
     for (int run = 0; run < 10; ++run)
       addRun(session, run, targets,
-             [&](std::size_t i, double) { return errors[i] + random.normal(kNoise / kMicrometre); });
+             [&](std::size_t i, double) { return errors[i] + random.normal(kReadingNoise / kMicrometre); });
     const Diagnosis d = diagnosisOf(session);
     EXPECT_TRUE(d.missing.empty()) << told(d);
     ASSERT_EQ(d.artifactScatter.size(), 1u) << told(d);
@@ -267,15 +268,15 @@ TEST(LocalError, ABacklashThatGrowsIsNoCycleInTime) {
 TEST(LocalError, AReversalValueIsNoJumpWhereTheFirstDirectionIsNotKnown) {
   for (int seed = 1; seed <= seeds(); ++seed) {
     RandomNumbers random(static_cast<std::uint64_t>(seed));
-    Session session = sessionOf(kNoise);
+    Session session = sessionOf(kReadingNoise);
     double time = 0.0;
     for (const double way : {1.0, -1.0})
       for (int i = 0; i < 14; ++i)
         for (int again = 0; again < 8; ++again) {
           const bool first = way > 0.0 && i == 0;
-          session.observations.push_back(deviationAt(way * (2.8 * i - 18.2), first ? kNotMeasured : way,
-                                                     time += 4.0,
-                                                     -2.0 * way + random.normal(kNoise / kMicrometre)));
+          session.observations.push_back(
+              deviationAt(way * (2.8 * i - 18.2), first ? kNotMeasured : way, time += 4.0,
+                          -2.0 * way + random.normal(kReadingNoise / kMicrometre)));
         }
     const Diagnosis d = diagnosisOf(session);
     ASSERT_EQ(d.notJudged.size(), 1u) << "it is said that they are not judged";
@@ -584,10 +585,10 @@ TEST(LocalError, ATableThatCannotHoldAllPositionsIsNotProposed) {
     const std::vector<double> targets = unequalTargets(count, random, false);
     std::vector<double> errors(targets.size());
     for (double& error : errors) error = random.normal(3.0);
-    Session session = sessionOf(kNoise);
+    Session session = sessionOf(kReadingNoise);
     for (int run = 0; run < 4; ++run)
       addRun(session, run, targets,
-             [&](std::size_t i, double) { return errors[i] + random.normal(kNoise / kMicrometre); });
+             [&](std::size_t i, double) { return errors[i] + random.normal(kReadingNoise / kMicrometre); });
     const Diagnosis d = diagnosisOf(session);
     ASSERT_EQ(d.artifactScatter.size(), 1u) << told(d);
     EXPECT_EQ(d.artifactScatter[0].correctedBy.type, count == 40 ? "position_table" : "") << told(d);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosed.h"
 #include "diagnosis/diagnose.h"
 #include "long_tests.h"
 #include "model/observed_domain.h"
@@ -13,9 +14,7 @@
 namespace mm {
 namespace {
 
-Diagnosis diagnosed(const Session& session, const std::vector<EffectSpec>& model = {}) {
-  return diagnose(session, Model(session.machine, observedDomain(session), model), {});
-}
+using test::diagnosed;
 
 const CandidateResult* named(const Diagnosis& d, const std::string& type, const std::string& key,
                              const std::string& value) {

@@ -30,9 +30,9 @@ namespace {
 
 using test_support::RandomNumbers;
 
-constexpr double kNoise = 0.4;    // um
-constexpr double kTravel = 40.0;  // mm, from -20 to 20
-constexpr int kRuns = 5, kTargets = 41;
+constexpr double kScatter = 0.4;  // um
+constexpr double kLength = 40.0;  // mm, from -20 to 20
+constexpr int kRepeats = 5, kTargets = 41;
 
 /// As many in a thorough run; every day the first.
 std::vector<std::uint64_t> seeds(std::uint64_t many) {
@@ -42,26 +42,26 @@ std::vector<std::uint64_t> seeds(std::uint64_t many) {
 }
 
 /// um, of mm from the start of the travel and the direction of travel.
-using Error = std::function<double(double, double)>;
+using ErrorEitherWay = std::function<double(double, double)>;
 
 /// @param memory s, of noise of 1 um; 0: none. @param error what each run has alike. @param step mm.
-Diagnosis diagnosisOf(double memory, const Error& error, std::uint64_t seed, double noise = kNoise,
+Diagnosis diagnosisOf(double memory, const ErrorEitherWay& error, std::uint64_t seed, double noise = kScatter,
                       double step = 1.0, const std::vector<EffectSpec>& effects = {}) {
   constexpr double kPause = 4.0;  // s
-  const int targets = static_cast<int>(std::lround(kTravel / step)) + 1;
+  const int targets = static_cast<int>(std::lround(kLength / step)) + 1;
   RandomNumbers random(seed);
   Session session(Machine::load("three_axis"));
   session.source = "test";
   double time = 0.0, now = random.normal(1.0);
   const double kept = memory > 0.0 ? std::exp(-kPause / memory) : 0.0;
-  for (int run = 0; run < kRuns; ++run)
+  for (int run = 0; run < kRepeats; ++run)
     for (const double way : {1.0, -1.0})
       for (int i = 0; i < targets; ++i) {
         const double x = step * (way > 0.0 ? i : targets - 1 - i);
         now = kept * now + random.normal(std::sqrt(1.0 - kept * kept));
         const double deviation = error(x, way) + (memory > 0.0 ? now : 0.0) + random.normal(noise);
         session.observations.push_back(test_support::deviationOfX(
-            (x - kTravel / 2.0) * kMillimetre, way * 5e-3, time += kPause, deviation * kMicrometre));
+            (x - kLength / 2.0) * kMillimetre, way * 5e-3, time += kPause, deviation * kMicrometre));
         session.observations.back().row = static_cast<int>(session.observations.size()) + 1;
       }
   session.prepare();
@@ -80,7 +80,7 @@ TEST(PlaceOrTime, NoiseWithMemoryIsDrift) {
       EXPECT_EQ(d.verdict, Verdict::kExplained) << d.sentence;
       ASSERT_EQ(d.drift.size(), 1u) << d.sentence;
       EXPECT_FALSE(d.drift[0].quick) << d.sentence;
-      EXPECT_NEAR(d.noise / kMicrometre, kNoise, 3.0 * d.noiseStd / kMicrometre) << d.sentence;
+      EXPECT_NEAR(d.noise / kMicrometre, kScatter, 3.0 * d.noiseStd / kMicrometre) << d.sentence;
       EXPECT_LT(d.noiseStd / kMicrometre, 0.3) << d.sentence;
       EXPECT_EQ(d.sentence.find("place"), std::string::npos) << d.sentence;
     }
@@ -103,7 +103,7 @@ TEST(PlaceOrTime, APlayThatIsLargerInTheMiddleIsNoDrift) {
   for (const double ends : {0.5, 2.0})
     for (const std::uint64_t seed : seeds(2)) {
       const auto worn = [&](double x, double way) {
-        return 0.5 * way * (ends + 5.0 * std::sin(kPi * x / kTravel));
+        return 0.5 * way * (ends + 5.0 * std::sin(kPi * x / kLength));
       };
       const Diagnosis d = diagnosisOf(0.0, worn, seed, 0.5, 2.5);
       // where it is nothing at the ends it is, at these times, a cycle of two runs, too: then both are told
@@ -121,7 +121,7 @@ TEST(PlaceOrTime, APlayThatIsLargerInTheMiddleIsNoDrift) {
 TEST(PlaceOrTime, WhatIsLostOverTheWaySinceAReversalIsLostMotion) {
   constexpr double kGap = 4.0, kWindUp = 6.0;  // um, mm
   const auto lost = [&](double x, double way) {
-    const double gone = way > 0.0 ? x : kTravel - x;
+    const double gone = way > 0.0 ? x : kLength - x;
     return -0.5 * way * kGap * (1.0 - 2.0 * std::exp(-gone / kWindUp));
   };
   for (const std::uint64_t seed : seeds(3)) {
@@ -175,7 +175,7 @@ TEST(PlaceOrTime, APlayThatIsLargerAtOnePlaceIsNoLostMotionBesideAScale) {
 // What is known beforehand of a profile's weights are rows that no observation has: a play beside it changes
 // along the axis in the others alone.
 TEST(PlaceOrTime, AProfileInTheModelHasRowsOfItsOwn) {
-  const auto play = [](double x, double way) { return -2.0 * way + std::sin(kPi * x / kTravel); };
+  const auto play = [](double x, double way) { return -2.0 * way + std::sin(kPi * x / kLength); };
   const Diagnosis d = diagnosisOf(0.0, play, 1, 0.25, 1.0,
                                   {EffectSpec("backlash").set("axis", "x"), profileSpec("x", {"x"})});
   EXPECT_EQ(d.verdict, Verdict::kExplained) << d.sentence;
@@ -288,7 +288,7 @@ TEST(PlaceOrTime, OneBadReadingIsNoCause) {
   for (const std::uint64_t seed : seeds(3)) {
     int reading = 0;
     const Diagnosis d = diagnosisOf(
-        0.0, [&](double, double) { return reading++ == 0 ? 4.0 * kNoise : 0.0; }, seed);
+        0.0, [&](double, double) { return reading++ == 0 ? 4.0 * kScatter : 0.0; }, seed);
     EXPECT_TRUE(d.missing.empty()) << d.sentence;
     for (const CandidateResult& c : d.candidates) EXPECT_LT(c.odds, 0.5) << c.effect.yaml();
   }

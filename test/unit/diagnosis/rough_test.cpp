@@ -15,7 +15,7 @@
 namespace mm {
 namespace {
 
-constexpr double kNoise = 0.3e-6;  // m, of the plan
+constexpr double kPlanNoise = 0.3e-6;  // m, of the plan
 
 /// Kinds of noise, each of which must mislead nobody.
 constexpr const char* kKinds[] = {"drift", "correlated", "form", "tails", "quantised"};
@@ -66,10 +66,10 @@ TEST(Rough, DriftIsToldAndTheNoiseIsWhatIsLeftOfIt) {
   const Diagnosis d = rough({}, "drift", 34);
   EXPECT_TRUE(silent(d)) << d.sentence;
   EXPECT_FALSE(d.drift.empty()) << d.sentence;
-  EXPECT_NEAR(d.noise / kNoise, 1.0, 0.1);
+  EXPECT_NEAR(d.noise / kPlanNoise, 1.0, 0.1);
   for (const DriftResult& r : d.drift) {
-    EXPECT_GT(r.std, 0.3 * kNoise);
-    EXPECT_LT(r.std, 4.0 * kNoise);
+    EXPECT_GT(r.std, 0.3 * kPlanNoise);
+    EXPECT_LT(r.std, 4.0 * kPlanNoise);
     EXPECT_GT(r.timeConstant, 0.0);
     for (const DriftResult::Perhaps& p : r.perhaps)  // what stands still is no drift
       EXPECT_TRUE(inputsOf(*createEffect(p.effect, domain), domain).dependsOnTime()) << p.effect.yaml();
@@ -87,7 +87,7 @@ TEST(Rough, AnUnknownErrorIsAProfileOverItsVariables) {
   std::vector<std::string> variables = d.profiles[0].variables;
   std::sort(variables.begin(), variables.end());
   EXPECT_EQ(variables, (std::vector<std::string>{"humidity", "x"})) << d.sentence;
-  EXPECT_LT(d.heldOut, 1.15 * kNoise);
+  EXPECT_LT(d.heldOut, 1.15 * kPlanNoise);
   EXPECT_FALSE(d.profiles[0].curve.empty());
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "diagnosed.h"
 #include "diagnosis/diagnose.h"
 #include "long_tests.h"
 #include "model/observed_domain.h"
@@ -13,11 +14,9 @@
 namespace mm {
 namespace {
 
-const EffectSpec kBacklash = EffectSpec("backlash").set("axis", "x");
+using test::diagnosed;
 
-Diagnosis diagnosed(const Session& session, const std::vector<EffectSpec>& model) {
-  return diagnose(session, Model(session.machine, observedDomain(session), model), {});
-}
+const EffectSpec kBacklash = EffectSpec("backlash").set("axis", "x");
 
 /// The nine-ball plate, with a play of x that has one size and, on top of it, one that grows along x.
 /// @param slope m of play a m of travel.

@@ -27,11 +27,11 @@ std::string wordsOf(const Inputs& in, const Domain& d) {
   return text;
 }
 
-struct Row {
+struct RowOfTable {
   std::string yaml, inputs;
 };
 
-const std::vector<Row> kThreeAxis{
+const std::vector<RowOfTable> kThreeAxis{
     {"{type: mmt_deviation, axis: x, lead_mm: 1}", "x y z"},
     {"{type: scale, axis: x}", "x"},
     {"{type: squareness, axis: x, of: y}", "y"},
@@ -83,7 +83,7 @@ const std::vector<Row> kThreeAxis{
     {"{type: thermal_network, axis: x}", "x bed spindle"},
 };
 
-const std::vector<Row> kFiveAxis{
+const std::vector<RowOfTable> kFiveAxis{
     {"{type: laser_mount}", ""},
     {"{type: laser_scale}", "reading"},
     {"{type: laser_incidence}", "b a approach"},
@@ -98,8 +98,8 @@ const std::vector<Row> kFiveAxis{
     {"{type: profile, direction: b, variable: reading}", "reading"},
 };
 
-void check(const std::vector<Row>& rows, const Domain& domain) {
-  for (const Row& row : rows) {
+void check(const std::vector<RowOfTable>& rows, const Domain& domain) {
+  for (const RowOfTable& row : rows) {
     SCOPED_TRACE(row.yaml);
     const EffectPtr effect = createEffect(specOf(row.yaml), domain, networksOf(domain));
     EXPECT_EQ(wordsOf(inputsOf(*effect, domain), domain), row.inputs);
@@ -114,7 +114,7 @@ TEST(Inputs, areThoseOfThePhysics) {
 TEST(Inputs, theTableHasTheWholeCatalogue) {
   std::set<std::string> listed;
   for (const auto* rows : {&kThreeAxis, &kFiveAxis})
-    for (const Row& row : *rows) listed.insert(specOf(row.yaml).type);
+    for (const RowOfTable& row : *rows) listed.insert(specOf(row.yaml).type);
   for (const EffectType& type : effectRegistry())
     if (type.type.rfind("test_", 0) != 0) {
       EXPECT_EQ(listed.count(type.type), 1U) << type.type;

@@ -10,7 +10,7 @@
 namespace mm {
 namespace {
 
-struct Plate {
+struct PlateWithPlay {
   Machine machine = Machine::load("three_axis");
   Simulation simulation = simulate(machine, Plan::load("config/plans/nine_ball_plate.yaml", machine),
                                    {{"backlash:x=3um"}, 5, ""});
@@ -28,7 +28,7 @@ Eigen::VectorXd away(const Problem& problem, double by) {
 }
 
 TEST(Linearisation, IsTheProblemAndItsSlopesAtItsPoint) {
-  const Plate plate;
+  const PlateWithPlay plate;
   const Problem& problem = plate.problem;
   const Eigen::VectorXd x = away(problem, 0.3);
   const Linearisation at = linearise(problem, x);
@@ -44,7 +44,7 @@ TEST(Linearisation, IsTheProblemAndItsSlopesAtItsPoint) {
 }
 
 TEST(Linearisation, AnEffectOfTheModelHasTheColumnsOfItsUnknowns) {
-  const Plate plate;
+  const PlateWithPlay plate;
   const Linearisation at = linearise(plate.problem, plate.problem.start());
   const Effect& scale = *plate.problem.model().effects()[0];
   const Eigen::MatrixXd columns = at.effectColumns(scale, {0.0});
@@ -58,7 +58,7 @@ TEST(Linearisation, AnEffectOfTheModelHasTheColumnsOfItsUnknowns) {
 }
 
 TEST(Linearisation, IsAValueThatNoOtherPointChanges) {
-  const Plate plate;
+  const PlateWithPlay plate;
   const Linearisation at = linearise(plate.problem, plate.problem.start());
   const Linearisation copy = at;
   const Linearisation other = linearise(plate.problem, away(plate.problem, 50.0));
@@ -69,7 +69,7 @@ TEST(Linearisation, IsAValueThatNoOtherPointChanges) {
 }
 
 TEST(Linearisation, GroupsCoverTheUnknownsInTheirOrder) {
-  const Plate plate;
+  const PlateWithPlay plate;
   const Problem& problem = plate.problem;
   int next = 0;
   for (const UnknownGroup& group : linearise(problem, problem.start()).groups()) {

@@ -18,7 +18,7 @@
 namespace mm {
 namespace {
 
-constexpr double kNoise = 0.5e-6;  // m, of the plan
+constexpr double kPlanNoise = 0.5e-6;  // m, of the plan
 
 const Simulation& simulation() {
   static const Simulation kSimulation = [] {
@@ -133,7 +133,7 @@ TEST(MmtSize, TheConventionDoesNotDependOnTheOrderOfTheEffects) {
   for (const std::vector<std::string>& axes : {std::vector<std::string>{"z", "y", "x"}, {"y", "x", "z"}}) {
     const Problem problem(session, modelFor(session, mmtSpec(axes).effects));
     const Identifiability found =
-        identify(problem, problem.start(), problem.sigmas(kNoise, kNoise).cwiseInverse(), true);
+        identify(problem, problem.start(), problem.sigmas(kPlanNoise, kPlanNoise).cwiseInverse(), true);
     EXPECT_EQ(found.rank, 18);
     std::set<std::string> fixed;
     for (int u = 0; u < problem.unknownCount(); ++u)
@@ -178,10 +178,10 @@ TEST(MmtSize, RefinedIsTheOptimum) {
   const CalibrationResult& refined = calibrated(Method::kStagedMutation, 1).result;
   const double free = refined.problem->unknownCount() - 3, rows = refined.problem->rowCount();
   // what is left of the noise, within four of its standard deviations
-  EXPECT_NEAR(refined.figures.rms, kNoise * std::sqrt(1.0 - free / rows),
-              4.0 * kNoise / std::sqrt(2.0 * rows));
+  EXPECT_NEAR(refined.figures.rms, kPlanNoise * std::sqrt(1.0 - free / rows),
+              4.0 * kPlanNoise / std::sqrt(2.0 * rows));
   EXPECT_NEAR(refined.figures.chi2PerDof, 1.0, 4.0 * std::sqrt(2.0 / rows));
-  EXPECT_NEAR(refined.figures.heldOutRms, kNoise, 0.02 * kNoise);
+  EXPECT_NEAR(refined.figures.heldOutRms, kPlanNoise, 0.02 * kPlanNoise);
   EXPECT_TRUE(refined.outliers.empty());
   // no small step in any unknown goes further down
   const Eigen::VectorXd& r = refined.residuals;

@@ -12,7 +12,7 @@
 namespace mm {
 namespace {
 
-constexpr double kNoise = 0.2e-6;  // m
+constexpr double kThermalNoise = 0.2e-6;  // m
 
 /// x measured at three positions in `sets` sets while `spindle` and `bed` warm and cool; `air` stands still.
 /// The truth: 1.5 um/K of (spindle - 20), `bend` um/K^2 of the bed's rise, more the further out.
@@ -37,7 +37,7 @@ Session warmUp(int sets, double bend) {
       o.velocity = {1e-3, 0.0, 0.0};
       const double rise = bed - 20.0;
       o.deviation = {1.5e-6 * (spindle - 20.0) + 1e-6 * bend * (1.0 + 0.5 * i) * rise * rise +
-                         kNoise * normal(generator),
+                         kThermalNoise * normal(generator),
                      kNotMeasured, kNotMeasured};
       session.observations.push_back(o);
       const double values[] = {spindle, bed, 21.0};
@@ -85,7 +85,7 @@ TEST(NetworkLearning, PhysicalEffectsComeFirstAndLeaveNothing) {
   EXPECT_NE(learned.summary.find("not activated"), std::string::npos) << learned.summary;
   ASSERT_EQ(result.problem->model().parameterCount(), 1);
   EXPECT_NEAR(result.x[0], 1.5e-6, 0.03e-6);
-  EXPECT_NEAR(result.figures.rms, kNoise, 0.2 * kNoise);
+  EXPECT_NEAR(result.figures.rms, kThermalNoise, 0.2 * kThermalNoise);
 }
 
 TEST(NetworkLearning, TakesWhatThePhysicalEffectsLeave) {
@@ -97,7 +97,7 @@ TEST(NetworkLearning, TakesWhatThePhysicalEffectsLeave) {
   EXPECT_EQ(learned.positions.size(), 3u);
   EXPECT_LT(learned.heldOut, 0.6 * learned.heldOutRidge);
   EXPECT_NEAR(result.x[1], 1.0, 0.02);  // gain
-  EXPECT_LT(result.figures.rms, 2.0 * kNoise);
+  EXPECT_LT(result.figures.rms, 2.0 * kThermalNoise);
   EXPECT_LT(result.figures.heldOutRms, 0.1 * alone.figures.heldOutRms);
   // the held-out figure is of networks that have not seen the block: no better than what the learner found
   EXPECT_GT(result.figures.heldOutRms, 1.1 * result.figures.rms);
@@ -118,7 +118,7 @@ TEST(NetworkLearning, ALineWorksWhereTheNetworkAskedForIsWorse) {
   EXPECT_EQ(learned.numbers, learnedBy(line).numbers);
   EXPECT_EQ(learned.heldOut, learned.heldOutRidge);
   EXPECT_EQ(result.x, line.x);
-  EXPECT_LT(result.figures.rms, 1.5 * kNoise);
+  EXPECT_LT(result.figures.rms, 1.5 * kThermalNoise);
 }
 
 TEST(NetworkLearning, AutoIsTheDefaultAndTakesTheBest) {
@@ -180,7 +180,7 @@ TEST(NetworkLearning, WhatIsHeldDoesNotLearnAgain) {
   const CalibrationResult compared = calibrate(test, learned.problem->model(), held,
                                                learned.x.head(learned.problem->model().parameterCount()));
   EXPECT_EQ(compared.problem->model().networks()[0].numbers, learned.problem->model().networks()[0].numbers);
-  EXPECT_LT(compared.figures.rms, 2.0 * kNoise);
+  EXPECT_LT(compared.figures.rms, 2.0 * kThermalNoise);
 }
 
 TEST(NetworkLearning, RefusesInOneClearLine) {

@@ -4,21 +4,18 @@
 #include <cmath>
 
 #include "estimation/calibrate.h"
+#include "fitted_model.h"
 #include "model/observed_domain.h"
 #include "pan_tilt_session.h"
 
 namespace mm {
 namespace {
 
+using test::fitted;
+
 Session tubeFlex() {
   return test_support::panTiltSession(
       240, 2.0, 127, [](double, double tilt) { return std::pair(30.0, -14.0 + 45.0 * std::cos(tilt)); });
-}
-
-CalibrationResult fitted(const Session& session, const std::vector<EffectSpec>& effects) {
-  CalibrateOptions options;
-  options.method = Method::kLeastSquares;
-  return calibrate(session, Model(session.machine, observedDomain(session), effects), options);
 }
 
 EffectSpec periodic(const std::string& type, const std::string& joint) {

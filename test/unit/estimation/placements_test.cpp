@@ -7,6 +7,7 @@
 #include "diagnosis/diagnose.h"
 #include "diagnosis/wording.h"
 #include "estimation/calibrate.h"
+#include "fitted_model.h"
 #include "model/observed_domain.h"
 #include "session/joined.h"
 #include "turned_plate.h"
@@ -15,22 +16,15 @@
 namespace mm {
 namespace {
 
+using test::fitted;
+using test::modelOf;
+
 using ::testing::HasSubstr;
 
 constexpr double kQuarter = 1.5707963267948966;
 
-Model modelOf(const Session& session, const std::vector<EffectSpec>& effects) {
-  return Model(session.machine, observedDomain(session), effects);
-}
-
 EffectSpec scaleOf(const std::string& axis) { return EffectSpec("scale").set("axis", axis); }
 EffectSpec squareness() { return EffectSpec("squareness").set("axis", "x").set("of", "y"); }
-
-CalibrationResult fitted(const Session& session, const std::vector<EffectSpec>& effects) {
-  CalibrateOptions options;
-  options.method = Method::kLeastSquares;
-  return calibrate(session, modelOf(session, effects), options);
-}
 
 /// A machine with a scale of x and a squareness; SI.
 test::TurnedPlate::Error geometry(double scale, double square) {

@@ -18,7 +18,7 @@ namespace {
 
 using test_support::RandomNumbers;
 
-constexpr double kNoise = 0.3e-6;  // m
+constexpr double kProfileNoise = 0.3e-6;  // m
 constexpr double kDuration = 3600.0;
 
 double bump(double x, double at, double width) { return std::exp(-std::pow((x - at) / width, 2)); }
@@ -37,7 +37,7 @@ using Error = std::function<double(const Observation&)>;
 Session base() {
   Session session(Machine::load("three_axis"));
   session.source = "test";
-  session.artifact.repeatability = kNoise;
+  session.artifact.repeatability = kProfileNoise;
   Series bed;
   bed.name = "bed";
   for (double t = 0.0; t <= kDuration; t += 5.0) {
@@ -60,7 +60,7 @@ Session deviations(int count, std::uint64_t seed, const Error& error) {
     o.position = {random.uniform(-20e-3, 20e-3), random.uniform(-15e-3, 35e-3),
                   random.uniform(-20e-3, 20e-3)};
     o.velocity = {random.uniform(-5e-3, 5e-3), 0.0, 0.0};
-    o.deviation = {error(o) * kMicrometre + random.normal(kNoise), kNotMeasured, kNotMeasured};
+    o.deviation = {error(o) * kMicrometre + random.normal(kProfileNoise), kNotMeasured, kNotMeasured};
     o.deviationStd.assign(3, kNotMeasured);
     session.observations.push_back(o);
   }
@@ -91,7 +91,7 @@ Session contacts(int count, std::uint64_t seed, const Error& error) {
     const double across = std::sqrt(1.0 - height * height);
     const Eigen::Vector3d out(across * std::cos(turn), across * std::sin(turn), height);
     const Eigen::Vector3d tip = session.artifact.features[static_cast<std::size_t>(o.feature)].position +
-                                (kReach + random.normal(kNoise)) * out;
+                                (kReach + random.normal(kProfileNoise)) * out;
     o.approach = -out;
     o.velocity.assign(3, kNotMeasured);
     o.position = {tip.x(), tip.y(), tip.z()};
@@ -103,7 +103,7 @@ Session contacts(int count, std::uint64_t seed, const Error& error) {
   return session;
 }
 
-Recalibration fitted(const Session& session, const std::vector<EffectSpec>& effects) {
+Recalibration recalibrated(const Session& session, const std::vector<EffectSpec>& effects) {
   ModelSpec model;
   model.effects = effects;
   CalibrateOptions options;
@@ -169,7 +169,7 @@ TEST(Profile, findsBumpsFromDeviationsAndItsBandCoversThem) {
   for (int s = 0; s < sessions; ++s) {
     const Session session =
         deviations(300, 100 + s, [](const Observation& o) { return bumpy(o.position[0] / kMillimetre); });
-    const Recalibration done = fitted(session, {kOfX});
+    const Recalibration done = recalibrated(session, {kOfX});
     EXPECT_TRUE(done.result.converged);
     EXPECT_TRUE(done.result.identifiability.lost.empty());
     EXPECT_NEAR(done.result.figures.chi2PerDof, 1.0, 0.35);
@@ -189,7 +189,7 @@ TEST(Profile, findsATemperatureCurveFromContacts) {
     const Session session = contacts(360, 200 + s, [](const Observation& o) { return bent(bedAt(o.time)); });
     // a tip that stays where it is takes up the mean: its place along x is what a constant would be
     const Recalibration done =
-        fitted(session, {kOfBed, EffectSpec("formula").set("direction", "x").set("formula", "k1")});
+        recalibrated(session, {kOfBed, EffectSpec("formula").set("direction", "x").set("formula", "k1")});
     judge(done, bent, true, false, judged);
   }
   std::printf("contacts: RMS %.3f um, band covers %.1f %%\n", judged.rms / sessions, 100.0 * judged.share());
@@ -209,7 +209,7 @@ TEST(Profile, ofTwoVariablesFindsSumAndProduct) {
     const Session session = deviations(500, 300 + s, [&](const Observation& o) {
       return truth(o.position[0] / kMillimetre, bedAt(o.time));
     });
-    const Recalibration done = fitted(session, {both});
+    const Recalibration done = recalibrated(session, {both});
     const Compensator compensator(done.calibration);
     for (int i = 0; i < 10; ++i)
       for (int j = 0; j < 10; ++j) {
@@ -237,7 +237,7 @@ TEST(Profile, bridgesAGapSmoothlyAndSaysHowLittleItKnows) {
                      [](const Observation& o) { return o.position[0] > -4e-3 && o.position[0] < 10e-3; }),
       all.end());
   const Recalibration done =
-      fitted(session, {sizedProfile(profileSpec("x", {"x"}), 3e-6, modelFor(session, {}).domain())});
+      recalibrated(session, {sizedProfile(profileSpec("x", {"x"}), 3e-6, modelFor(session, {}).domain())});
   EXPECT_TRUE(done.result.identifiability.lost.empty());
   const Compensator compensator(done.calibration);
   const double known = correctionAt(compensator, -10e-3, 24.0).sigma,
@@ -258,17 +258,17 @@ TEST(Profile, needsNoMorePlacesThanThereAre) {
     o.row = i + 2;
     o.position = {-20e-3 + 8e-3 * (i % 6), 0.0, 0.0};
     o.velocity.assign(3, kNotMeasured);
-    o.deviation = {bumpy(o.position[0] / kMillimetre) * kMicrometre + random.normal(kNoise), kNotMeasured,
-                   kNotMeasured};
+    o.deviation = {bumpy(o.position[0] / kMillimetre) * kMicrometre + random.normal(kProfileNoise),
+                   kNotMeasured, kNotMeasured};
     o.deviationStd.assign(3, kNotMeasured);
     session.observations.push_back(o);
   }
   session.prepare();
   const Recalibration done =
-      fitted(session, {sizedProfile(profileSpec("x", {"x"}), 2e-6, modelFor(session, {}).domain())});
+      recalibrated(session, {sizedProfile(profileSpec("x", {"x"}), 2e-6, modelFor(session, {}).domain())});
   EXPECT_TRUE(done.result.converged);
   EXPECT_TRUE(done.result.identifiability.lost.empty());
-  EXPECT_LT(done.result.figures.rms, 1.2 * kNoise);
+  EXPECT_LT(done.result.figures.rms, 1.2 * kProfileNoise);
   const Compensator compensator(done.calibration);
   for (double x = -20e-3; x <= 20e-3; x += 1e-3)
     EXPECT_LT(std::abs(correctionAt(compensator, x, 24.0).displacement.x()), 5e-6) << x;
@@ -279,7 +279,7 @@ TEST(Profile, geneticMethodsEndWhereLeastSquaresDo) {
       deviations(200, 9, [](const Observation& o) { return bumpy(o.position[0] / kMillimetre); });
   ModelSpec model;
   model.effects = {kOfX, EffectSpec("scale").set("axis", "x"), EffectSpec("backlash").set("axis", "x")};
-  const Recalibration exact = fitted(session, model.effects);
+  const Recalibration exact = recalibrated(session, model.effects);
   for (const Method method : {Method::kStagedMutation, Method::kNiching}) {
     CalibrateOptions options;
     options.method = method;
@@ -299,7 +299,7 @@ TEST(Profile, isAddedKeptInTheFileAndTakenOut) {
       250, 11, [](const Observation& o) { return bumpy(o.position[0] / kMillimetre) + bent(bedAt(o.time)); });
   CalibrateOptions options;
   options.method = Method::kLeastSquares;
-  const Recalibration before = fitted(session, {kOfX});
+  const Recalibration before = recalibrated(session, {kOfX});
   const Recalibration added = addEffect(session, before.calibration, kOfBed, options);
   EXPECT_LT(added.result.figures.rms, 0.6 * before.result.figures.rms);
   Calibration written = added.calibration;
@@ -314,16 +314,17 @@ TEST(Profile, isAddedKeptInTheFileAndTakenOut) {
     EXPECT_TRUE(b.valid) << b.reason;
   }
   const CalibrationResult compared = compareCalibration(session, read, options);
-  EXPECT_NEAR(compared.figures.rms, added.result.figures.rms, 1e-3 * kNoise);
+  EXPECT_NEAR(compared.figures.rms, added.result.figures.rms, 1e-3 * kProfileNoise);
   const Recalibration removed = removeEffect(session, read, kOfBed, options);
-  EXPECT_NEAR(removed.result.figures.rms, before.result.figures.rms, 1e-3 * kNoise);
+  EXPECT_NEAR(removed.result.figures.rms, before.result.figures.rms, 1e-3 * kProfileNoise);
 }
 
 TEST(Profile, isNotAppliedWhereItWasNotCalibrated) {
   const Session session = deviations(
       250, 12, [](const Observation& o) { return bent(bedAt(o.time)) + 0.2 * o.velocity[0] / kMillimetre; });
   const Compensator compensator(
-      fitted(session, {kOfBed, EffectSpec("profile").set("direction", "x").set("variable", "x_velocity")})
+      recalibrated(session,
+                   {kOfBed, EffectSpec("profile").set("direction", "x").set("variable", "x_velocity")})
           .calibration);
   EXPECT_TRUE(correctionAt(compensator, 0.0, 28.5).valid);  // within the margin: as at the end
   EXPECT_NEAR(correctionAt(compensator, 0.0, 28.5).displacement.x(),
@@ -344,7 +345,7 @@ TEST(Profile, isNotAppliedWhereItWasNotCalibrated) {
 
   // of the time since the start: said, and left out, beyond the duration
   const Compensator timed(
-      fitted(session, {EffectSpec("profile").set("direction", "x").set("variable", "t")}).calibration);
+      recalibrated(session, {EffectSpec("profile").set("direction", "x").set("variable", "t")}).calibration);
   State late = timed.blankState();
   late.time = 2.0 * kDuration;
   timed.model().place(late);

@@ -8,7 +8,7 @@
 namespace mm {
 namespace {
 
-constexpr double kNoise = 0.5e-6;  // m
+constexpr double kRefinedNoise = 0.5e-6;  // m
 
 /// The contacts of MMT: 70 balls of unknown centre, made by the plain formula of the paper.
 class Refine : public testing::Test {
@@ -17,10 +17,10 @@ class Refine : public testing::Test {
     return refine(problem, start, fixed, sigma, weight, progress);
   }
 
-  const mm_test::MmtContacts data{17, 40e-6, kNoise};
-  const Session session = mm_test::mmtSession(data, kNoise);
+  const mm_test::MmtContacts data{17, 40e-6, kRefinedNoise};
+  const Session session = mm_test::mmtSession(data, kRefinedNoise);
   const Problem problem{session, mm_test::mmtModel(session)};
-  const Eigen::VectorXd start = problem.start(), sigma = problem.sigmas(kNoise, kNoise);
+  const Eigen::VectorXd start = problem.start(), sigma = problem.sigmas(kRefinedNoise, kRefinedNoise);
   const std::vector<char> fixed = identify(problem, start, sigma.cwiseInverse(), true).fixed;
   const Eigen::VectorXd all = Eigen::VectorXd::Ones(problem.rowCount());
 };

@@ -7,12 +7,15 @@
 #include <random>
 
 #include "estimation/calibrate.h"
+#include "fitted_model.h"
 #include "model/observed_domain.h"
 #include "session/contacts_csv.h"
 #include "session_files.h"
 
 namespace mm {
 namespace {
+
+using test::fitted;
 
 /// Runs of an ISO 230-2 measurement with noise of `sigma` (m).
 struct Runs {
@@ -48,15 +51,9 @@ Session session(const Runs& r, unsigned seed) {
   return s;
 }
 
-CalibrationResult calibrated(const Session& s, const std::vector<EffectSpec>& effects = {}) {
-  CalibrateOptions options;
-  options.method = Method::kLeastSquares;
-  return calibrate(s, Model(s.machine, observedDomain(s), effects), options);
-}
-
 // A table that was computed: one shift a run, and nothing else but the rounding of its numbers.
 TEST(Repeatability, OfRunsThatDifferByRoundingOnlyIsNotKnown) {
-  const CalibrationResult r = calibrated(session({5, 9, 0.0, 0.3e-6}, 1));
+  const CalibrationResult r = fitted(session({5, 9, 0.0, 0.3e-6}, 1));
   EXPECT_EQ(r.repeatabilityFrom, "estimated");
   EXPECT_GT(r.repeatability, 1e-6) << "the wave that no effect explains";
 }
@@ -67,7 +64,7 @@ TEST(Repeatability, OfRunsIsTheScatterWithinTheTargets) {
   Repeatability one;
   for (int k = 0; k < kTrials; ++k) {
     const Session s = session({5, 9, 1e-6, 4e-6}, 100 + k);
-    const CalibrationResult r = calibrated(s);
+    const CalibrationResult r = fitted(s);
     ASSERT_EQ(r.repeatabilityFrom, "repeated");
     one = r.repeated;
     EXPECT_EQ(r.repeatability, one.value);
@@ -86,8 +83,8 @@ TEST(Repeatability, OfRunsIsTheScatterWithinTheTargets) {
 }
 
 TEST(Repeatability, IsNotBentByOneBadReading) {
-  const double clean = calibrated(session({}, 7)).repeatability;
-  EXPECT_NEAR(calibrated(session({5, 9, 1e-6, 0.0, 50e-6}, 7)).repeatability, clean, 0.1e-6);
+  const double clean = fitted(session({}, 7)).repeatability;
+  EXPECT_NEAR(fitted(session({5, 9, 1e-6, 0.0, 50e-6}, 7)).repeatability, clean, 0.1e-6);
 }
 
 /// There and back are different targets; where that was not recorded, nothing is claimed.
@@ -116,7 +113,7 @@ TEST(Repeatability, OfTargetsThatAreReachedFromManySidesIsNoSmaller) {
         s.observations.push_back(o);
       }
     s.prepare();
-    const Repeatability found = calibrated(s).repeated;
+    const Repeatability found = fitted(s).repeated;
     EXPECT_EQ(found.from, "runs");
     sum += found.value * found.value;
   }
@@ -127,22 +124,20 @@ TEST(Repeatability, IsWhatTheReadingsStateOfThemselves) {
   Session s = session({5, 9, 0.3e-6}, 3);
   for (std::size_t i = 0; i < s.observations.size(); ++i)
     s.observations[i].deviationStd = {i % 2 == 0 ? 0.3e-6 : 0.4e-6, kNotMeasured, kNotMeasured};
-  const CalibrationResult r = calibrated(s);
+  const CalibrationResult r = fitted(s);
   EXPECT_EQ(r.repeatabilityFrom, "declared");
   EXPECT_NEAR(r.repeatability, std::sqrt(0.5 * (0.09 + 0.16)) * 1e-6, 1e-12);
   s.artifact.repeatability = 2e-6;
-  EXPECT_EQ(calibrated(s).repeatability, r.repeatability)
-      << "a reading that states its own is weighed by that";
+  EXPECT_EQ(fitted(s).repeatability, r.repeatability) << "a reading that states its own is weighed by that";
   s.observations[7].deviationStd = {kNotMeasured, kNotMeasured, kNotMeasured};
-  EXPECT_EQ(calibrated(s).repeatability, 2e-6) << "the others are as good as is declared for all";
+  EXPECT_EQ(fitted(s).repeatability, 2e-6) << "the others are as good as is declared for all";
 }
 
 TEST(Repeatability, NeedsTheDirectionOfTravel) {
-  const CalibrationResult r = calibrated(session({5, 9, 1e-6, 0.0, 0.0, false}, 3));
+  const CalibrationResult r = fitted(session({5, 9, 1e-6, 0.0, 0.0, false}, 3));
   EXPECT_EQ(r.repeatabilityFrom, "estimated");
   EXPECT_EQ(r.repeated.dof, 0.0);
-  EXPECT_EQ(calibrated(session({2, 3}, 3)).repeatabilityFrom, "estimated")
-      << "four differences say too little";
+  EXPECT_EQ(fitted(session({2, 3}, 3)).repeatabilityFrom, "estimated") << "four differences say too little";
 }
 
 /// Five readings a target, one after the other, on a machine that drifts by a micrometre between two.
@@ -161,7 +156,7 @@ TEST(Repeatability, OfReadingsOneAfterTheOtherIsWithoutTheirDrift) {
     s.observations.push_back(o);
   }
   s.prepare();
-  const CalibrationResult r = calibrated(s);
+  const CalibrationResult r = fitted(s);
   EXPECT_EQ(r.repeated.from, "consecutive");
   EXPECT_NEAR(r.repeatability, 0.5e-6, 4 * r.repeated.relativeStd() * 0.5e-6);
   EXPECT_NEAR(r.repeated.dof, 40 * 36.0 * 9 / (36 * 3 + 32 * 2 + 2), 3.0);
@@ -176,11 +171,11 @@ TEST(Repeatability, OfRealInterferometerRuns) {
   const auto found = [&](const char* axis) {
     const Session s =
         readContactsCsv(data / "iso230_interferometer" / (std::string(axis) + "_axis.csv"), machine, nullptr);
-    const CalibrationResult plain = calibrated(s);
+    const CalibrationResult plain = fitted(s);
     EXPECT_EQ(plain.repeatabilityFrom, "repeated");
     EXPECT_GT(plain.repeated.dof, axis[0] == 'z' ? 20.0 : 40.0);
     const CalibrationResult modelled =
-        calibrated(s, {EffectSpec("backlash").set("axis", axis), EffectSpec("scale").set("axis", axis)});
+        fitted(s, {EffectSpec("backlash").set("axis", axis), EffectSpec("scale").set("axis", axis)});
     EXPECT_NEAR(modelled.repeatability, plain.repeatability, 1e-9) << "no matter what the model knows";
     std::cout << axis << ": " << plain.repeatability * 1e6 << " um " << plain.repeated.inWords << "\n";
     return plain.repeatability * 1e6;
@@ -198,8 +193,8 @@ TEST(Repeatability, OfARealNozzleHeight) {
   const Session s = readContactsCsv(data / "frame_thermal" / "z_against_temperatures.csv",
                                     Machine::load("three_axis"), nullptr);
   const CalibrationResult r =
-      calibrated(s, {EffectSpec("thermal_growth").set("direction", "z").set("sensor", "bed"),
-                     EffectSpec("thermal_growth").set("direction", "z").set("sensor", "frame")});
+      fitted(s, {EffectSpec("thermal_growth").set("direction", "z").set("sensor", "bed"),
+                 EffectSpec("thermal_growth").set("direction", "z").set("sensor", "frame")});
   std::cout << r.repeatability * 1e6 << " um " << r.repeated.inWords << "\n";
   EXPECT_EQ(r.repeatabilityFrom, "repeated");
   EXPECT_NEAR(r.repeatability, std::hypot(1.2e-6, 2.5e-6 / std::sqrt(12.0)), 0.25e-6);
@@ -208,7 +203,7 @@ TEST(Repeatability, OfARealNozzleHeight) {
 // 0.6 of a standard deviation is what two random walks of a run have in common by chance
 TEST(Repeatability, RunsShareWhatFollowsThePlaceAndNotWhatFollowsTheTime) {
   const Session s = session({}, 5);
-  const CalibrationResult result = calibrated(s);
+  const CalibrationResult result = fitted(s);
   std::mt19937 generator(9);
   std::normal_distribution<double> normal;
   const int rows = static_cast<int>(result.problem->rows().size());

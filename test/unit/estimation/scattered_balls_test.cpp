@@ -7,6 +7,7 @@
 #include <random>
 
 #include "estimation/calibrate.h"
+#include "fitted_model.h"
 #include "model/observed_domain.h"
 #include "simulation/simulate.h"
 
@@ -24,11 +25,7 @@ CalibrationResult measuredWith(double away, std::uint64_t seed) {
   for (Feature& f : s.artifact.features)
     for (int k = 0; k < 3; ++k) f.position[k] += away * normal(generator);
   s.prepare();
-  CalibrateOptions options;
-  options.method = Method::kLeastSquares;
-  std::vector<EffectSpec> effects = {EffectSpec("scale").set("axis", "x"),
-                                     EffectSpec("scale").set("axis", "y")};
-  return calibrate(s, Model(machine, observedDomain(s), effects), options);
+  return test::fitted(s, {EffectSpec("scale").set("axis", "x"), EffectSpec("scale").set("axis", "y")});
 }
 
 TEST(ScatteredBalls, AreAllowedFor) {

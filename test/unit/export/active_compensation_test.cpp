@@ -182,7 +182,7 @@ TEST_P(ActiveCompensation, IsInTheNewTablesAndStaysWhereNothingWasFound) {
 INSTANTIATE_TEST_SUITE_P(Targets, ActiveCompensation, testing::ValuesIn(targets()),
                          [](const auto& info) { return info.param.name; });
 
-std::string fileOf(const Exported& exported, const std::string& path) {
+std::string fileOrNothing(const Exported& exported, const std::string& path) {
   for (const ExportedFile& file : exported.files)
     if (file.path == path) return file.text;
   return {};
@@ -204,20 +204,21 @@ TEST(OnlyAxesThatWereFound, NothingIsWrittenForTheOthers) {
     EXPECT_EQ(exported.axes, std::set<std::string>{"x"}) << target.name;
   }
   const auto of = [&](const char* target) { return exportedFor(exportTarget(target), needed, fineUnits()); };
-  EXPECT_THAT(fileOf(of("fanuc"), "parameters.txt"),
+  EXPECT_THAT(fileOrNothing(of("fanuc"), "parameters.txt"),
               AllOf(HasSubstr("N01851 A1 P40\n"), Not(HasSubstr(" A2 "))));
-  EXPECT_THAT(fileOf(of("linuxcnc"), "machine.ini"),
+  EXPECT_THAT(fileOrNothing(of("linuxcnc"), "machine.ini"),
               AllOf(HasSubstr("joint0.comp"), Not(HasSubstr("joint1.comp"))));
   EXPECT_THAT(everyText(of("siemens")), AllOf(Not(HasSubstr("$MA_BACKLASH[")), Not(HasSubstr("Y1"))));
-  EXPECT_THAT(fileOf(of("marlin"), "compensation.gcode"),
+  EXPECT_THAT(fileOrNothing(of("marlin"), "compensation.gcode"),
               AllOf(HasSubstr("M425 F1 X0.003999\n"), Not(HasSubstr("\nM852"))));
-  EXPECT_EQ(fileOf(of("beckhoff"), "y.lis"), "");
+  EXPECT_EQ(fileOrNothing(of("beckhoff"), "y.lis"), "");
 }
 
 TEST(OnlyAxesThatWereFound, APitchAloneSaysNothingOfTheReversal) {
   const Calibration pitch = found({2e-4, 0.0, 0.0, 0.0});
   const Exported exported = exportedFor(exportTarget("fanuc"), NeededCorrection(pitch, {}), fineUnits());
-  EXPECT_THAT(fileOf(exported, "parameters.txt"), AllOf(HasSubstr("N03620 A1"), Not(HasSubstr("N01851"))));
+  EXPECT_THAT(fileOrNothing(exported, "parameters.txt"),
+              AllOf(HasSubstr("N03620 A1"), Not(HasSubstr("N01851"))));
 }
 
 /// A folder that a builder made by hand.
@@ -237,7 +238,7 @@ TEST(TablesByHand, FanucKeepsItsNumbersAndItsInterval) {
   ExportOptions options;  // units of 1 um
   const Calibration c = activeByHand(found({0.0, 2e-6, 0.0, 0.0}), "fanuc:", folder);
   const Exported exported = exportedFor(exportTarget("fanuc"), NeededCorrection(c, {}), options);
-  const std::string text = fileOf(exported, "parameters.txt");
+  const std::string text = fileOrNothing(exported, "parameters.txt");
   EXPECT_THAT(text,
               AllOf(HasSubstr("N01851 A1 P5\n"), HasSubstr("N03624 A1 P10.0000\n"), Not(HasSubstr("A2"))));
   const auto tried = triedExport("fanuc", exported);
@@ -267,8 +268,8 @@ TEST(TablesByHand, SiemensKeepsTheNumbersOfOtherAxesAndStopsWhatItReplaces) {
   const NeededCorrection needed(c, {});
   const Exported exported = exportedFor(exportTarget("siemens"), needed, {});
   const std::string text = everyText(exported);
-  EXPECT_THAT(fileOf(exported, "cec_2_tables.mpf"), Not(HasSubstr("$AN_CEC[0,")));
-  EXPECT_THAT(fileOf(exported, "cec_3_enable.mpf"), HasSubstr("$SN_CEC_TABLE_ENABLE[3]=0"));
+  EXPECT_THAT(fileOrNothing(exported, "cec_2_tables.mpf"), Not(HasSubstr("$AN_CEC[0,")));
+  EXPECT_THAT(fileOrNothing(exported, "cec_3_enable.mpf"), HasSubstr("$SN_CEC_TABLE_ENABLE[3]=0"));
   const auto tried = triedExport("siemens", exported);
   const auto at = [&](double x, double way) { return tried->adds(commandTo(x, 0.007, way, 1)); };
   const auto was = [&](double x, double way) { return needed.active()->adds(commandTo(x, 0.007, way, 1)); };
@@ -355,7 +356,7 @@ TEST(StatedCompensation, IsTheSameOnceReadBack) {
 TEST(StatedCompensation, IsSaidInTheFilesAndOnThePage) {
   Calibration c = found({2e-4, 4e-6, 0, 0});
   const auto ini = [&] {
-    return fileOf(exportedFor(exportTarget("linuxcnc"), NeededCorrection(c, {}), {}), "machine.ini");
+    return fileOrNothing(exportedFor(exportTarget("linuxcnc"), NeededCorrection(c, {}), {}), "machine.ini");
   };
   EXPECT_THAT(ini(), HasSubstr("# ASSUMED, because it was not stated: no compensation was active"));
   c.compensation.stated = ControllerCompensation::Stated::kNone;

@@ -7,13 +7,13 @@
 namespace mm {
 namespace {
 
-constexpr double kTouch = std::numeric_limits<double>::quiet_NaN();
+constexpr double kTouching = std::numeric_limits<double>::quiet_NaN();
 
 TEST(LinearInverse, putsTheProbeOnATargetInOneStepInAnyPosture) {
   const Machine machine = Machine::load("five_axis");
   const int a = machine.findJoint("a"), b = machine.findJoint("b");
   const Eigen::Vector3d target(0.011, -0.023, 0.007);
-  for (const double reading : {kTouch, 0.4e-3}) {
+  for (const double reading : {kTouching, 0.4e-3}) {
     std::vector<double> q(5, 0.0);
     q[a] = 0.7, q[b] = -1.1;
     ASSERT_TRUE(placeTip(machine, target, reading, q));

@@ -7,8 +7,8 @@
 namespace mm {
 namespace {
 
-constexpr std::int64_t kSecond = 1000000000;
-constexpr std::int64_t kStart = 1000 * kSecond;
+constexpr std::int64_t kOneSecond = 1000000000;
+constexpr std::int64_t kBegin = 1000 * kOneSecond;
 
 class LiveInputsTest : public ::testing::Test {
  protected:
@@ -34,76 +34,77 @@ class LiveInputsTest : public ::testing::Test {
 };
 
 TEST_F(LiveInputsTest, TravelIsThatOfTheLastMotionUntilTheClockGoesBack) {
-  EXPECT_TRUE(joints(kStart, -1e-3));
-  EXPECT_TRUE(joints(kStart + kSecond));
+  EXPECT_TRUE(joints(kBegin, -1e-3));
+  EXPECT_TRUE(joints(kBegin + kOneSecond));
   EXPECT_EQ(state().travel, (std::vector<double>{-1.0, 0.0, 0.0}));
-  EXPECT_TRUE(joints(kStart - 50 * kSecond));
+  EXPECT_TRUE(joints(kBegin - 50 * kOneSecond));
   EXPECT_EQ(state().travel[0], 0.0);
 }
 
 TEST_F(LiveInputsTest, AVelocityThatIsMissingIsNotGuessed) {
-  EXPECT_TRUE(joints(kStart, 1e-3));
-  EXPECT_TRUE(inputs_.takeJoints(kStart + 1, {"x", "y", "z"}, {5.0, 2.0, 3.0}, {}, reason_));
+  EXPECT_TRUE(joints(kBegin, 1e-3));
+  EXPECT_TRUE(inputs_.takeJoints(kBegin + 1, {"x", "y", "z"}, {5.0, 2.0, 3.0}, {}, reason_));
   EXPECT_EQ(state().travel[0], 0.0);
   EXPECT_TRUE(std::isnan(state().velocity[0]));
 }
 
 TEST_F(LiveInputsTest, TheDirectionOfTravelIsTheDriversFromItsStampOn) {
-  inputs_.takeTravel(0, kStart, 1.0);
-  inputs_.takeTravel(2, kStart + kSecond, -1.0);
-  EXPECT_TRUE(joints(kStart));
+  inputs_.takeTravel(0, kBegin, 1.0);
+  inputs_.takeTravel(2, kBegin + kOneSecond, -1.0);
+  EXPECT_TRUE(joints(kBegin));
   EXPECT_EQ(state().travel, (std::vector<double>{1.0, 0.0, 0.0})) << "z turns a second later";
-  EXPECT_TRUE(joints(kStart + kSecond / 10, -1e-3, 0.999));
+  EXPECT_TRUE(joints(kBegin + kOneSecond / 10, -1e-3, 0.999));
   EXPECT_EQ(state().travel[0], -1.0) << "a reversal that was seen after what the driver told";
-  inputs_.takeTravel(0, kStart + kSecond, 1.0);
-  EXPECT_TRUE(joints(kStart + kSecond, 0.0, 0.999));
+  inputs_.takeTravel(0, kBegin + kOneSecond, 1.0);
+  EXPECT_TRUE(joints(kBegin + kOneSecond, 0.0, 0.999));
   EXPECT_EQ(state().travel, (std::vector<double>{1.0, 0.0, -1.0})) << "but it knows better";
-  inputs_.takeTravel(0, kStart + kSecond, 0.0);
-  EXPECT_TRUE(joints(kStart + 2 * kSecond, 0.0, 0.999));
+  inputs_.takeTravel(0, kBegin + kOneSecond, 0.0);
+  EXPECT_TRUE(joints(kBegin + 2 * kOneSecond, 0.0, 0.999));
   EXPECT_EQ(state().travel[0], 1.0) << "it says nothing";
-  EXPECT_TRUE(joints(kStart - 50 * kSecond));
+  EXPECT_TRUE(joints(kBegin - 50 * kOneSecond));
   EXPECT_EQ(state().travel, (std::vector<double>{0.0, 0.0, 0.0}));
 }
 
 TEST_F(LiveInputsTest, NamesInAnotherOrderAndStrangers) {
-  EXPECT_TRUE(inputs_.takeJoints(kStart, {"z", "gripper", "x", "y"}, {3.0, 9.0, 1.0, 2.0}, {}, reason_));
+  EXPECT_TRUE(inputs_.takeJoints(kBegin, {"z", "gripper", "x", "y"}, {3.0, 9.0, 1.0, 2.0}, {}, reason_));
   EXPECT_EQ(state().position, (std::vector<double>{1.0, 2.0, 3.0}));
 }
 
 TEST_F(LiveInputsTest, TemperaturesGrowOldAndAreForgottenWhenTheClockGoesBack) {
-  inputs_.takeTemperature("bed", kStart, 21.5);
-  inputs_.takeTemperature("nobody", kStart, 99.0);
-  joints(kStart + 9 * kSecond);
+  inputs_.takeTemperature("bed", kBegin, 21.5);
+  inputs_.takeTemperature("nobody", kBegin, 99.0);
+  joints(kBegin + 9 * kOneSecond);
   EXPECT_TRUE(std::isnan(state().temperature[0]));
   EXPECT_EQ(state().temperature[1], 21.5);
   EXPECT_FALSE(inputs_.heard(view_));
-  joints(kStart + 11 * kSecond);
+  joints(kBegin + 11 * kOneSecond);
   EXPECT_TRUE(std::isnan(state().temperature[1]));
-  joints(kStart - 5 * kSecond);
+  joints(kBegin - 5 * kOneSecond);
   EXPECT_TRUE(std::isnan(state().temperature[1])) << "a reading of the future";
 }
 
 TEST_F(LiveInputsTest, TimeCountsFromZeroOnceThatIsKnown) {
-  joints(kStart);
+  joints(kBegin);
   EXPECT_TRUE(std::isnan(state().time));
-  inputs_.setTimeZero(kStart - 90 * kSecond);
+  inputs_.setTimeZero(kBegin - 90 * kOneSecond);
   EXPECT_NEAR(state().time, 90.0, 1e-9);
 }
 
 TEST_F(LiveInputsTest, ALagRemembersAStep) {
   // 20 degC for 100 s, then 30 degC: after one time constant 1 - 1/e of the step.
-  for (int i = 0; i <= 100; ++i) inputs_.takeTemperature("bed", kStart + i * kSecond, 20.0);
-  for (int i = 1; i <= 200; ++i) inputs_.takeTemperature("bed", kStart + 100 * kSecond + i * kSecond, 30.0);
-  joints(kStart + 300 * kSecond);
+  for (int i = 0; i <= 100; ++i) inputs_.takeTemperature("bed", kBegin + i * kOneSecond, 20.0);
+  for (int i = 1; i <= 200; ++i)
+    inputs_.takeTemperature("bed", kBegin + 100 * kOneSecond + i * kOneSecond, 30.0);
+  joints(kBegin + 300 * kOneSecond);
   const double lagged = state().history->lagged(1, 200.0, 0.0, nullptr);
   EXPECT_NEAR(lagged, 30.0 - 10.0 * std::exp(-1.0), 0.1) << "the step is a ramp of at most 5 s";
   EXPECT_TRUE(std::isnan(state().history->lagged(0, 200.0, 0.0, nullptr)));
 }
 
 TEST_F(LiveInputsTest, AContactKeepsItsOwnReadings) {
-  joints(kStart, 1e-3);
+  joints(kBegin, 1e-3);
   MovingState s;
-  inputs_.fill(view_, kStart, {7.0, 8.0, 9.0}, {-2e-3, 0.0, std::nan("")}, s);
+  inputs_.fill(view_, kBegin, {7.0, 8.0, 9.0}, {-2e-3, 0.0, std::nan("")}, s);
   EXPECT_EQ(s.position, (std::vector<double>{7.0, 8.0, 9.0}));
   EXPECT_EQ(s.travel[0], -1.0);
 }
@@ -113,12 +114,12 @@ TEST_F(LiveInputsTest, AContactKeepsItsOwnReadings) {
 TEST_F(LiveInputsTest, AForeignPublisherCostsNothing) {
   int frames = 0;
   for (int i = 0; i < 800; ++i) {
-    frames += joints(kStart + i * kSecond / 10, 1e-3, 1.0 + 1e-4 * i);
+    frames += joints(kBegin + i * kOneSecond / 10, 1e-3, 1.0 + 1e-4 * i);
     EXPECT_FALSE(
-        inputs_.takeJoints(kStart + i * kSecond / 10 - 3 * kSecond, {"gripper"}, {0.01}, {}, reason_));
+        inputs_.takeJoints(kBegin + i * kOneSecond / 10 - 3 * kOneSecond, {"gripper"}, {0.01}, {}, reason_));
     EXPECT_EQ(reason_, "");
     EXPECT_FALSE(
-        inputs_.takeJoints(kStart + i * kSecond / 10 + 60 * kSecond, {"gripper"}, {0.01}, {}, reason_));
+        inputs_.takeJoints(kBegin + i * kOneSecond / 10 + 60 * kOneSecond, {"gripper"}, {0.01}, {}, reason_));
     EXPECT_FALSE(inputs_.takeJoints(0, {"gripper", "finger"}, {0.01}, {}, reason_)) << "wrong in itself";
     EXPECT_EQ(reason_, "");
   }
@@ -128,10 +129,10 @@ TEST_F(LiveInputsTest, AForeignPublisherCostsNothing) {
 
 /// An encoder at rest after a motion, with a nanometre a second of noise: the direction stays.
 TEST_F(LiveInputsTest, NoiseAtRestIsNoTravel) {
-  std::int64_t t = kStart;
-  for (int i = 0; i <= 100; ++i) joints(t += kSecond / 100, -1e-3, 1.0 - 1e-5 * i);
+  std::int64_t t = kBegin;
+  for (int i = 0; i <= 100; ++i) joints(t += kOneSecond / 100, -1e-3, 1.0 - 1e-5 * i);
   for (int i = 0; i < 1000; ++i) {
-    joints(t += kSecond / 100, i % 2 ? 1e-9 : -1e-9, 0.999 + (i % 2 ? 1e-9 : -1e-9));
+    joints(t += kOneSecond / 100, i % 2 ? 1e-9 : -1e-9, 0.999 + (i % 2 ? 1e-9 : -1e-9));
     ASSERT_EQ(state().travel[0], -1.0) << i;
   }
   MovingState s;
@@ -140,30 +141,31 @@ TEST_F(LiveInputsTest, NoiseAtRestIsNoTravel) {
 }
 
 TEST_F(LiveInputsTest, TravelSinceTheReversalIsTold) {
-  std::int64_t t = kStart;
-  for (int i = 0; i <= 100; ++i) joints(t += kSecond / 100, 1e-3, 1.0 + 1e-5 * i);
-  joints(t += kSecond / 100, -1e-4, 1.001 - 3e-6);
+  std::int64_t t = kBegin;
+  for (int i = 0; i <= 100; ++i) joints(t += kOneSecond / 100, 1e-3, 1.0 + 1e-5 * i);
+  joints(t += kOneSecond / 100, -1e-4, 1.001 - 3e-6);
   EXPECT_EQ(state().travel[0], -1.0);
   EXPECT_NEAR(state().sinceReversal[0], 3e-6, 1e-12);
   inputs_.forgetTravel(0);
-  joints(t += kSecond / 100, 0.0, 1.001 - 3e-6);
+  joints(t += kOneSecond / 100, 0.0, 1.001 - 3e-6);
   EXPECT_EQ(state().travel[0], 0.0);
 }
 
 // before: the lag began anew as if settled, 6 um off in a warm-up
 TEST_F(LiveInputsTest, OneBadStampOfATemperatureIsSetAside) {
   for (int i = 0; i <= 300; ++i)
-    EXPECT_TRUE(inputs_.takeTemperature("bed", kStart + i * kSecond, 20.0 + 0.01 * i));
-  joints(kStart + 300 * kSecond);
+    EXPECT_TRUE(inputs_.takeTemperature("bed", kBegin + i * kOneSecond, 20.0 + 0.01 * i));
+  joints(kBegin + 300 * kOneSecond);
   const double before = state().history->lagged(1, 200.0, 0.0, nullptr);
   EXPECT_FALSE(inputs_.takeTemperature("bed", 0, 21.0)) << "none";
-  EXPECT_FALSE(inputs_.takeTemperature("bed", kStart + 299 * kSecond, 29.0)) << "a second old";
+  EXPECT_FALSE(inputs_.takeTemperature("bed", kBegin + 299 * kOneSecond, 29.0)) << "a second old";
   EXPECT_EQ(state().history->lagged(1, 200.0, 0.0, nullptr), before);
   EXPECT_EQ(state().temperature[1], 23.0);
-  EXPECT_TRUE(inputs_.takeTemperature("bed", kStart + 301 * kSecond, 23.0));
+  EXPECT_TRUE(inputs_.takeTemperature("bed", kBegin + 301 * kOneSecond, 23.0));
   // a clock that went back says so again and again
   int aside = 0;
-  for (int i = 0; i < 10; ++i) aside += !inputs_.takeTemperature("bed", kStart + (100 + i) * kSecond, 22.0);
+  for (int i = 0; i < 10; ++i)
+    aside += !inputs_.takeTemperature("bed", kBegin + (100 + i) * kOneSecond, 22.0);
   EXPECT_EQ(aside, 4);
 }
 
@@ -175,9 +177,9 @@ TEST_F(LiveInputsTest, WhatLagsBehindATemperatureIsUncertainUntilItWasHeardForLo
   const double tau = 60.0;
   double last = 1e9;
   for (int i = 0; i <= 500; ++i) {
-    inputs_.takeTemperature("bed", kStart + i * kSecond, 26.0);
-    inputs_.takeTemperature("motor", kStart + i * kSecond, 26.0);
-    joints(kStart + i * kSecond);
+    inputs_.takeTemperature("bed", kBegin + i * kOneSecond, 26.0);
+    inputs_.takeTemperature("motor", kBegin + i * kOneSecond, 26.0);
+    joints(kBegin + i * kOneSecond);
     if (i % 100 != 0) continue;
     const MovingState s = state();
     const double settled = s.history->lagged(1, tau, 0.0, nullptr);

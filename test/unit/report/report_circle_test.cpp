@@ -5,10 +5,13 @@
 #include <cmath>
 
 #include "base/units.h"
+#include "fitted_model.h"
 #include "workflow/recalibration.h"
 
 namespace mm {
 namespace {
+
+using test::fitted;
 
 constexpr double kPi = 3.14159265358979323846;
 
@@ -75,16 +78,9 @@ Session circleSession(double lean, double gap) {
   return session;
 }
 
-CalibrationResult fitOf(const Session& session, const std::vector<EffectSpec>& effects = {}) {
-  CalibrateOptions options;
-  options.method = Method::kLeastSquares;
-  options.rejectOutliers = false;
-  return calibrate(session, modelFor(session, effects), options);
-}
-
 TEST(ReportCircle, AMachineThatIsNotSquareDrawsAnEllipse) {
   const Session session = circleSession(400e-6, 0.0);
-  const auto tests = circleTests(fitOf(session));
+  const auto tests = circleTests(fitted(session));
   ASSERT_EQ(tests.size(), 1u);
   EXPECT_EQ(tests[0].first + tests[0].second, "xy");
   EXPECT_NEAR(tests[0].radius, 15.0, 1e-6);
@@ -92,14 +88,14 @@ TEST(ReportCircle, AMachineThatIsNotSquareDrawsAnEllipse) {
   EXPECT_NEAR(tests[0].measured.counterClockwise.circular, 6.0, 0.05);
   EXPECT_NEAR(tests[0].measured.clockwise.circular, 6.0, 0.05);
   EXPECT_NEAR(tests[0].measured.hysteresis, 0.0, 0.01);
-  const auto left = circleTests(fitOf(session, {EffectSpec("cross_talk").set("axis", "x").set("of", "y")}));
+  const auto left = circleTests(fitted(session, {EffectSpec("cross_talk").set("axis", "x").set("of", "y")}));
   ASSERT_EQ(left.size(), 1u);
   EXPECT_NEAR(left[0].measured.counterClockwise.circular, 6.0, 0.05);
   EXPECT_NEAR(left[0].calibrated.counterClockwise.circular, 0.0, 0.01);
 }
 
 TEST(ReportCircle, PlayIsTheDifferenceOfBothWays) {
-  const auto tests = circleTests(fitOf(circleSession(0.0, 4e-6)));
+  const auto tests = circleTests(fitted(circleSession(0.0, 4e-6)));
   ASSERT_EQ(tests.size(), 1u);
   EXPECT_NEAR(tests[0].measured.hysteresis, 4.0, 0.1);  // the gap, where x moves radially: near the x axis
 }
@@ -130,24 +126,24 @@ Session ballBarSession(double lean) {
 
 TEST(ReportCircle, AnImportedBallBarIsACircle) {
   const Session session = ballBarSession(400e-6);
-  const auto tests = circleTests(fitOf(session));
+  const auto tests = circleTests(fitted(session));
   ASSERT_EQ(tests.size(), 1u);
   EXPECT_EQ(tests[0].first + tests[0].second, "xy");
   EXPECT_NEAR(tests[0].radius, 15.0, 1e-3);
   EXPECT_NEAR(tests[0].measured.counterClockwise.circular, 6.0, 0.05);
   EXPECT_NEAR(tests[0].measured.counterClockwise.largest, 3.0, 0.05);
-  const auto left = circleTests(fitOf(session, {EffectSpec("cross_talk").set("axis", "x").set("of", "y")}));
+  const auto left = circleTests(fitted(session, {EffectSpec("cross_talk").set("axis", "x").set("of", "y")}));
   ASSERT_EQ(left.size(), 1u);
   EXPECT_NEAR(left[0].calibrated.counterClockwise.circular, 0.0, 0.05);
   Session plate = session;  // a touched ball is no circle of ISO 230-4
   plate.artifact.name = "plate";
-  EXPECT_TRUE(circleTests(fitOf(plate)).empty());
+  EXPECT_TRUE(circleTests(fitted(plate)).empty());
 }
 
 TEST(ReportCircle, PositionsOnALineAreNoCircle) {
   Session session = circleSession(400e-6, 0.0);
   for (Observation& o : session.observations) o.position[1] = 0.3 * o.position[0];
-  EXPECT_TRUE(circleTests(fitOf(session)).empty());
+  EXPECT_TRUE(circleTests(fitted(session)).empty());
 }
 
 }  // namespace

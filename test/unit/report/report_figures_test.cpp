@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fitted_model.h"
 #include "report/report_positioning.h"
 #include "report/report_profiles.h"
 #include "report/report_variables.h"
@@ -13,12 +14,7 @@
 namespace mm {
 namespace {
 
-CalibrationResult fitOf(const Session& session, const std::vector<EffectSpec>& effects = {}) {
-  CalibrateOptions options;
-  options.method = Method::kLeastSquares;
-  options.rejectOutliers = false;
-  return calibrate(session, modelFor(session, effects), options);
-}
+using test::fitted;
 
 const VariableView& view(const std::vector<VariableView>& views, const std::string& name) {
   const auto found =
@@ -29,7 +25,7 @@ const VariableView& view(const std::vector<VariableView>& views, const std::stri
 
 TEST(ReportVariables, AStepByTravelIsSeenWithItsSignSizeAndError) {
   const Session session = test::interferometerSession(2e-6, 0.1e-6);
-  const CalibrationResult fit = fitOf(session);
+  const CalibrationResult fit = fitted(session);
   const auto views = residualsByVariable(fit, nullptr, {});
   const VariableView& travel = view(views, "x travel direction");
   EXPECT_EQ(travel.direction, "x");
@@ -52,14 +48,14 @@ TEST(ReportVariables, AnUnknownDirectionOfTravelIsNoLevel) {
   session.observations[0].velocity[0] = kNotMeasured;
   session.observations[0].travel.clear();
   session.prepare();
-  const auto views = residualsByVariable(fitOf(session), nullptr, {});
+  const auto views = residualsByVariable(fitted(session), nullptr, {});
   EXPECT_EQ(view(views, "x travel direction").labels.size(), 2u);
 }
 
 TEST(ReportVariables, TheImprovedFitIsShownBesideIt) {
   const Session session = test::interferometerSession(2e-6, 0.1e-6);
-  const CalibrationResult fit = fitOf(session),
-                          improved = fitOf(session, {EffectSpec("backlash").set("axis", "x")});
+  const CalibrationResult fit = fitted(session),
+                          improved = fitted(session, {EffectSpec("backlash").set("axis", "x")});
   const VariableView travel = view(residualsByVariable(fit, &improved, {}), "x travel direction");
   EXPECT_NEAR(travel.bins[1].mean, 2.0, 0.06);
   EXPECT_NEAR(travel.bins[1].meanImproved, 0.0, 0.06);
@@ -70,7 +66,7 @@ TEST(ReportVariables, EachVariableIsInTheUnitThatStandsAtItsAxis) {
     const auto range = std::minmax_element(v.x.begin(), v.x.end());
     return std::make_pair(*range.first, *range.second);
   };
-  const auto views = residualsByVariable(fitOf(test::laserSession(0.5e-6)), nullptr, {});
+  const auto views = residualsByVariable(fitted(test::laserSession(0.5e-6)), nullptr, {});
   const VariableView& reading = view(views, "laser reading");
   EXPECT_EQ(reading.unit, "mm");
   EXPECT_NEAR(ends(reading).first, 3.0, 2e-3);
@@ -101,8 +97,8 @@ TEST(ReportProfiles, TheCurveGoesThroughWhatWasMeasured) {
   Session session = test::interferometerSession(0.0, 0.1e-6);
   for (Observation& o : session.observations) o.deviation[0] += 3e-6 * std::sin(o.position[0] / 5e-3);
   const EffectSpec profile = EffectSpec("profile").set("direction", "x").set("variable", "x");
-  EXPECT_TRUE(addedProfiles(fitOf(session)).empty());
-  const std::vector<AddedProfile> all = addedProfiles(fitOf(session, {profile}));
+  EXPECT_TRUE(addedProfiles(fitted(session)).empty());
+  const std::vector<AddedProfile> all = addedProfiles(fitted(session, {profile}));
   ASSERT_EQ(all.size(), 1u);
   const AddedProfile& p = all[0];
   EXPECT_EQ(p.direction, "x");
@@ -125,7 +121,7 @@ TEST(ReportProfiles, TheCurveGoesThroughWhatWasMeasured) {
 
 TEST(ReportVectors, StartAtTheTouchedPointAndRunAlongTheNormal) {
   const Session session = test::ballSession("b0", 3e-6);
-  const CalibrationResult fit = fitOf(session);
+  const CalibrationResult fit = fitted(session);
   const ResidualVectors v = residualVectors({{"now", &fit}});
   ASSERT_EQ(v.places.size(), 60u);
   ASSERT_EQ(v.states.size(), 1u);
@@ -142,13 +138,13 @@ TEST(ReportVectors, StartAtTheTouchedPointAndRunAlongTheNormal) {
 
 TEST(ReportVectors, DeviationsAloneAreNothingToSeeInSpace) {
   const Session session = test::interferometerSession(2e-6, 0.1e-6);
-  const CalibrationResult fit = fitOf(session);
+  const CalibrationResult fit = fitted(session);
   EXPECT_TRUE(residualVectors({{"now", &fit}}).places.empty());
 }
 
 TEST(ReportPositioning, TheModelTakesTheReversalAway) {
   const Session session = test::interferometerSession(2e-6, 0.1e-6);
-  const auto axes = axisPositioning(fitOf(session, {EffectSpec("backlash").set("axis", "x")}));
+  const auto axes = axisPositioning(fitted(session, {EffectSpec("backlash").set("axis", "x")}));
   ASSERT_EQ(axes.size(), 1u);
   EXPECT_EQ(axes[0].axis, "x");
   EXPECT_NEAR(axes[0].measured.figures.meanReversal, 4.0, 0.1);
@@ -169,7 +165,7 @@ TEST(ReportPositioning, EachZeroOfTheInstrumentIsATestOfItsOwn) {
     session.observations.push_back(o);
   }
   session.prepare();
-  const auto axes = axisPositioning(fitOf(session));
+  const auto axes = axisPositioning(fitted(session));
   ASSERT_EQ(axes.size(), 2u);
   EXPECT_EQ(axes[0].name, "x, setup left");
   EXPECT_EQ(axes[1].name, "x, setup right");
@@ -186,12 +182,12 @@ TEST(ReportPositioning, EachLineIsATestOfItsOwnAndAPathOfTwoAxesIsNone) {
     session.observations.push_back(o);
   }
   session.prepare();
-  const auto axes = axisPositioning(fitOf(session));
+  const auto axes = axisPositioning(fitted(session));
   ASSERT_EQ(axes.size(), 2u);
   EXPECT_EQ(axes[0].name, "x, at y = 0 mm");
   EXPECT_EQ(axes[1].name, "x, at y = 30 mm");
   for (Observation& o : session.observations) o.position[1] = 0.7 * o.position[0];
-  EXPECT_TRUE(axisPositioning(fitOf(session)).empty());
+  EXPECT_TRUE(axisPositioning(fitted(session)).empty());
 }
 
 TEST(ReportPositioning, NoMeasuredRunIsLeftOut) {

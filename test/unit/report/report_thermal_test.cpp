@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include "fitted_model.h"
 #include "report_sessions.h"
 #include "workflow/recalibration.h"
 
 namespace mm {
 namespace {
+
+using test::fitted;
 
 /// The interferometer's nine targets ten times over 900 s while the bed warms by 4.5 K; 2 um/K along x.
 Session warmingSession() {
@@ -25,16 +28,10 @@ Session warmingSession() {
   return session;
 }
 
-CalibrationResult fitOf(const Session& session, const std::vector<EffectSpec>& effects = {}) {
-  CalibrateOptions options;
-  options.method = Method::kLeastSquares;
-  return calibrate(session, modelFor(session, effects), options);
-}
-
 TEST(ReportThermal, DriftBeforeAndAfter) {
   const Session session = warmingSession();
   const ThermalReport report = thermalReport(
-      fitOf(session, {EffectSpec("thermal_growth").set("direction", "x").set("sensor", "bed")}));
+      fitted(session, {EffectSpec("thermal_growth").set("direction", "x").set("sensor", "bed")}));
   ASSERT_EQ(report.tests.size(), 1u);
   const ThermalTestFigures& found = report.tests[0];
   EXPECT_EQ(found.test.kind, ThermalTestKind::kLinearAxis);
@@ -55,7 +52,7 @@ TEST(ReportThermal, DriftBeforeAndAfter) {
 TEST(ReportThermal, NothingWhereNoTemperatureChanges) {
   Session session = warmingSession();
   session.temperatures.erase(session.temperatures.begin());
-  EXPECT_TRUE(thermalReport(fitOf(session)).tests.empty());
+  EXPECT_TRUE(thermalReport(fitted(session)).tests.empty());
 }
 
 }  // namespace

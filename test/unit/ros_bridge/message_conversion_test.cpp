@@ -14,7 +14,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-measuring_machine::ProbeContact contact() {
+measuring_machine::ProbeContact contactOfB1() {
   measuring_machine::ProbeContact c;
   c.name = {"x", "y", "z"};
   c.position = {1e-3, 2e-3, 3e-3};
@@ -29,32 +29,32 @@ std::string refusal(const Message& message) {
 }
 
 TEST(MessageConversion, ContactsAreCheckedFieldByField) {
-  auto c = contact();
+  auto c = contactOfB1();
   c.name[2] = "zz";
   EXPECT_THAT(refusal(c), HasSubstr("joint 'zz' is not a joint of machine 'three_axis'"));
-  c = contact();
+  c = contactOfB1();
   c.name[2] = "x";
   EXPECT_THAT(refusal(c), HasSubstr("'x' is given twice"));
-  c = contact();
+  c = contactOfB1();
   c.name.pop_back();
   EXPECT_THAT(refusal(c), HasSubstr("no reading of joint 'z'"));
-  c = contact();
+  c = contactOfB1();
   c.position.pop_back();
   EXPECT_THAT(refusal(c), HasSubstr("'position' has 2 values for 3 joints"));
-  c = contact();
+  c = contactOfB1();
   c.velocity = {1.0};
   EXPECT_THAT(refusal(c), HasSubstr("'velocity' has 1 values"));
-  c = contact();
+  c = contactOfB1();
   c.approach.x = 0.5;
   EXPECT_THAT(refusal(c), HasSubstr("'approach' must be a unit vector"));
-  c = contact();
+  c = contactOfB1();
   EXPECT_EQ(refusal(c), "");
 }
 
 TEST(MessageConversion, AnUnknownApproachIsNaN) {
   const Machine machine = Machine::load("three_axis");
-  EXPECT_TRUE(fromMessage(contact(), machine).approach.hasNaN());
-  auto c = contact();
+  EXPECT_TRUE(fromMessage(contactOfB1(), machine).approach.hasNaN());
+  auto c = contactOfB1();
   c.approach.y = 1.0;
   EXPECT_EQ(fromMessage(c, machine).approach, Eigen::Vector3d(0, 1, 0));
 }

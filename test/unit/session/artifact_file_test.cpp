@@ -51,15 +51,15 @@ TEST(ArtifactFile, DefaultsAreAKnownPoseAndKnownPlaces) {
   EXPECT_TRUE(std::isnan(a.repeatability));
 }
 
-struct Bad {
+struct BadArtifact {
   const char* what;
   const char* yaml;
   const char* where;
   const char* says;
 };
-void PrintTo(const Bad& bad, std::ostream* out) { *out << bad.what; }
+void PrintTo(const BadArtifact& bad, std::ostream* out) { *out << bad.what; }
 
-class BadArtifactFile : public ::testing::TestWithParam<Bad> {};
+class BadArtifactFile : public ::testing::TestWithParam<BadArtifact> {};
 
 TEST_P(BadArtifactFile, IsRefusedInOneLineThatNamesTheFault) {
   const std::string message = test::messageOf<InputError>([] { parseArtifact(GetParam().yaml, "a.yaml"); });
@@ -71,37 +71,39 @@ TEST_P(BadArtifactFile, IsRefusedInOneLineThatNamesTheFault) {
 INSTANTIATE_TEST_SUITE_P(
     Each, BadArtifactFile,
     ::testing::Values(
-        Bad{"unknown key", "name: a\npsoe: free\n", "2:", "unknown key 'psoe'; did you mean 'pose'"},
-        Bad{"unknown key of a ball",
-            "name: a\nballs:\n  - {name: b, centre_mm: [0, 0, 0], radius_mm: 1, colour: red}\n",
-            "3:", "unknown key 'colour'"},
-        Bad{"wrong unit", "name: a\nballs:\n  - {name: b, centre_mm: [0, 0, 0], radius_um: 1}\n",
-            "3:", "unknown key 'radius_um'; did you mean 'radius_mm'"},
-        Bad{"doubled key", "name: a\npose: free\npose: known\n", "3:", "'pose' is given twice"},
-        Bad{"duplicate ball",
-            "name: a\nballs:\n  - {name: b, centre_mm: [0, 0, 0], radius_mm: 1}\n"
-            "  - {name: b, centre_mm: [1, 0, 0], radius_mm: 1}\n",
-            "4:", "'b' is used by another ball or point"},
-        Bad{"ball and point of one name",
-            "name: a\nballs: [{name: b, centre_mm: [0, 0, 0], radius_mm: 1}]\npoints: [{name: b, "
-            "position_mm: [0, 0, 0]}]\n",
-            "3:", "'b' is used by another ball or point"},
-        Bad{"negative radius", "name: a\nballs:\n  - {name: b, centre_mm: [0, 0, 0], radius_mm: -4}\n",
-            "3:", "'radius_mm' is -4, but must be above 0"},
-        Bad{"missing radius", "name: a\nballs:\n  - {name: b, centre_mm: [0, 0, 0]}\n",
-            "3:", "'radius_mm' is missing"},
-        Bad{"missing name", "name: a\nballs:\n  - {centre_mm: [0, 0, 0], radius_mm: 1}\n",
-            "3:", "'name' is missing"},
-        Bad{"no centre", "name: a\nballs:\n  - {name: b, radius_mm: 1}\n", "3:", "'centre_mm' is missing"},
-        Bad{"NaN", "name: a\nballs:\n  - {name: b, centre_mm: [0, .nan, 0], radius_mm: 1}\n",
-            "3:", "finite number"},
-        Bad{"text", "name: a\nprobe: {tip_radius_mm: one}\n", "2:", "not 'one'"},
-        Bad{"two coordinates", "name: a\nballs:\n  - {name: b, centre_mm: [0, 0], radius_mm: 1}\n",
-            "3:", "three numbers"},
-        Bad{"negative tip", "name: a\nprobe: {tip_radius_mm: -1}\n", "2:", "at least 0"},
-        Bad{"half-known pose", "name: a\npose: maybe\n", "2:", "known or free"},
-        Bad{"not YAML", "name: [a\n", "2:", "not YAML"}, Bad{"a list", "- a\n", "1:", "mapping"},
-        Bad{"empty", "", "1:", "mapping"}));
+        BadArtifact{"unknown key", "name: a\npsoe: free\n", "2:", "unknown key 'psoe'; did you mean 'pose'"},
+        BadArtifact{"unknown key of a ball",
+                    "name: a\nballs:\n  - {name: b, centre_mm: [0, 0, 0], radius_mm: 1, colour: red}\n",
+                    "3:", "unknown key 'colour'"},
+        BadArtifact{"wrong unit", "name: a\nballs:\n  - {name: b, centre_mm: [0, 0, 0], radius_um: 1}\n",
+                    "3:", "unknown key 'radius_um'; did you mean 'radius_mm'"},
+        BadArtifact{"doubled key", "name: a\npose: free\npose: known\n", "3:", "'pose' is given twice"},
+        BadArtifact{"duplicate ball",
+                    "name: a\nballs:\n  - {name: b, centre_mm: [0, 0, 0], radius_mm: 1}\n"
+                    "  - {name: b, centre_mm: [1, 0, 0], radius_mm: 1}\n",
+                    "4:", "'b' is used by another ball or point"},
+        BadArtifact{"ball and point of one name",
+                    "name: a\nballs: [{name: b, centre_mm: [0, 0, 0], radius_mm: 1}]\npoints: [{name: b, "
+                    "position_mm: [0, 0, 0]}]\n",
+                    "3:", "'b' is used by another ball or point"},
+        BadArtifact{"negative radius",
+                    "name: a\nballs:\n  - {name: b, centre_mm: [0, 0, 0], radius_mm: -4}\n",
+                    "3:", "'radius_mm' is -4, but must be above 0"},
+        BadArtifact{"missing radius", "name: a\nballs:\n  - {name: b, centre_mm: [0, 0, 0]}\n",
+                    "3:", "'radius_mm' is missing"},
+        BadArtifact{"missing name", "name: a\nballs:\n  - {centre_mm: [0, 0, 0], radius_mm: 1}\n",
+                    "3:", "'name' is missing"},
+        BadArtifact{"no centre", "name: a\nballs:\n  - {name: b, radius_mm: 1}\n",
+                    "3:", "'centre_mm' is missing"},
+        BadArtifact{"NaN", "name: a\nballs:\n  - {name: b, centre_mm: [0, .nan, 0], radius_mm: 1}\n",
+                    "3:", "finite number"},
+        BadArtifact{"text", "name: a\nprobe: {tip_radius_mm: one}\n", "2:", "not 'one'"},
+        BadArtifact{"two coordinates", "name: a\nballs:\n  - {name: b, centre_mm: [0, 0], radius_mm: 1}\n",
+                    "3:", "three numbers"},
+        BadArtifact{"negative tip", "name: a\nprobe: {tip_radius_mm: -1}\n", "2:", "at least 0"},
+        BadArtifact{"half-known pose", "name: a\npose: maybe\n", "2:", "known or free"},
+        BadArtifact{"not YAML", "name: [a\n", "2:", "not YAML"},
+        BadArtifact{"a list", "- a\n", "1:", "mapping"}, BadArtifact{"empty", "", "1:", "mapping"}));
 
 TEST(ArtifactFile, AMissingFileIsNamed) {
   EXPECT_THAT(test::messageOf<InputError>([] { loadArtifact("no.yaml"); }), HasSubstr("no.yaml"));

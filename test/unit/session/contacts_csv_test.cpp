@@ -18,7 +18,7 @@ using test::Folder;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kHalfTurn = 3.14159265358979323846;
 
 Artifact plate() {
   return parseArtifact(
@@ -55,9 +55,9 @@ TEST_F(ContactsCsv, ReadsColumnsInAnyOrderInTheirUnits) {
   EXPECT_EQ(o.row, 2);
   EXPECT_EQ(o.feature, 1);
   EXPECT_DOUBLE_EQ(o.position[m.findJoint("y")], 2.5e-3);
-  EXPECT_DOUBLE_EQ(o.position[m.findJoint("a")], -kPi / 2);
+  EXPECT_DOUBLE_EQ(o.position[m.findJoint("a")], -kHalfTurn / 2);
   EXPECT_EQ(o.position[m.findJoint("x")], 0.0) << "a joint without a column stays at 0";
-  EXPECT_DOUBLE_EQ(o.velocity[m.findJoint("b")], kPi);
+  EXPECT_DOUBLE_EQ(o.velocity[m.findJoint("b")], kHalfTurn);
   EXPECT_EQ(o.travel[m.findJoint("x")], -1.0);
   EXPECT_EQ(o.travel[m.findJoint("y")], 0.0);
   EXPECT_TRUE(std::isnan(o.velocity[m.findJoint("y")]));
@@ -86,7 +86,7 @@ TEST_F(ContactsCsv, ReadsWhatAnIndependentInstrumentFound) {
   EXPECT_DOUBLE_EQ(s.observations[0].deviation[x], 2e-6);
   EXPECT_DOUBLE_EQ(s.observations[0].deviationStd[x], 0.5e-6);
   EXPECT_TRUE(std::isnan(s.observations[0].deviation[b]));
-  EXPECT_DOUBLE_EQ(s.observations[1].deviation[b], 7.2 / 3600 * kPi / 180);
+  EXPECT_DOUBLE_EQ(s.observations[1].deviation[b], 7.2 / 3600 * kHalfTurn / 180);
   EXPECT_TRUE(std::isnan(s.observations[1].deviationStd[x]));
   EXPECT_EQ(s.setups, (std::vector<std::string>{"first", "second"}));
   EXPECT_EQ(s.observations[1].setup, 1);
@@ -124,18 +124,18 @@ TEST_F(ContactsCsv, ARowMayOnlyLogTemperatures) {
   EXPECT_DOUBLE_EQ(s.temperatures[0].at(s.observations[0].time), 25.0);
 }
 
-struct Bad {
+struct BadTable {
   const char* what;
   const char* csv;
   const char* line;  // `file:line` in the message
   const char* says;
 };
-void PrintTo(const Bad& bad, std::ostream* out) { *out << bad.what; }
+void PrintTo(const BadTable& bad, std::ostream* out) { *out << bad.what; }
 
-class BadContactsCsv : public ContactsCsv, public ::testing::WithParamInterface<Bad> {};
+class BadContactsCsv : public ContactsCsv, public ::testing::WithParamInterface<BadTable> {};
 
 TEST_P(BadContactsCsv, IsRefusedInOneLineThatNamesTheFault) {
-  const Bad& bad = GetParam();
+  const BadTable& bad = GetParam();
   const std::string message = errorOf(bad.csv);
   EXPECT_THAT(message, AllOf(HasSubstr(std::string("c.csv") + bad.line), HasSubstr(bad.says)));
   EXPECT_EQ(message.find('\n'), std::string::npos);
@@ -144,45 +144,48 @@ TEST_P(BadContactsCsv, IsRefusedInOneLineThatNamesTheFault) {
 INSTANTIATE_TEST_SUITE_P(
     Each, BadContactsCsv,
     ::testing::Values(
-        Bad{"unknown column", "time_s,x_mm,featur\n0,0,b0\n", ":1:", "'featur' is unknown"},
-        Bad{"nearest name", "time_s,x_velocty_mm_s,feature\n0,0,b0\n",
-            ":1:", "did you mean 'x_velocity_mm_s'"},
-        Bad{"misspelt, with a unit", "tme_s,x_mm,feature\n0,0,b0\n", ":1:", "did you mean 'time_s'"},
-        Bad{"joint of another machine", "time_s,b_deg,feature\n0,0,b0\n",
-            ":1:", "'b_deg' is unknown on this machine"},
-        Bad{"wrong unit", "time_s,x_um,feature\n0,0,b0\n", ":1:", "wants 'x_mm'"},
-        Bad{"wrong unit of a linear joint", "time_s,x_deg,feature\n0,0,b0\n", ":1:", "wants 'x_mm'"},
-        Bad{"wrong unit of time", "time_ms,x_mm,feature\n0,0,b0\n", ":1:", "wants 'time_s'"},
-        Bad{"wrong unit of a deviation", "time_s,x_mm,deviation_x_mm\n0,0,1\n",
-            ":1:", "wants 'deviation_x_um'"},
-        Bad{"wrong unit of a velocity", "time_s,x_velocity_m_s,feature\n0,0,b0\n",
-            ":1:", "wants 'x_velocity_mm_s'"},
-        Bad{"wrong unit of a temperature", "time_s,bed_degF,feature\n0,0,b0\n", ":1:", "'bed_degC'"},
-        Bad{"no unit", "time_s,x,feature\n0,0,b0\n", ":1:", "wants 'x_mm'"},
-        Bad{"doubled column", "time_s,x_mm,x_mm,feature\n0,0,0,b0\n", ":1:", "'x_mm' is given twice"},
-        Bad{"column without a name", "time_s,,feature\n0,0,b0\n", ":1:", "column 2 has no name"},
-        Bad{"semicolons", "time_s;x_mm;feature\n0;0;b0\n", ":1:", "separated by commas"},
-        Bad{"sensor that cannot be a topic", "time_s,be d_degC,feature\n0,0,b0\n",
-            ":1:", "letters, digits and _"},
-        Bad{"no time", "x_mm,feature\n0,b0\n", ":1:", "'time_s' is missing"},
-        Bad{"NaN", "time_s,x_mm,feature\n0,0,b0\n1,nan,b0\n",
-            ":3:", "column 'x_mm': 'nan' is not a finite number"},
-        Bad{"infinite", "time_s,x_mm,feature\n0,inf,b0\n", ":2:", "not a finite number"},
-        Bad{"text for a number", "time_s,x_mm,feature\n\n0,1.5mm,b0\n",
-            ":3:", "'1.5mm' is not a finite number"},
-        Bad{"number too large", "time_s,x_mm,feature\n0,1e999,b0\n", ":2:", "not a finite number"},
-        Bad{"empty time", "time_s,x_mm,feature\n,1,b0\n", ":2:", "'time_s' is empty"},
-        Bad{"time in milliseconds", "time_s,x_mm,feature\n1700000000000,1,b0\n", ":2:", "is it in seconds"},
-        Bad{"empty reading", "time_s,x_mm,feature\n0,,b0\n", ":2:", "the reading of joint 'x' is empty"},
-        Bad{"unknown feature", "time_s,x_mm,feature\n0,0,b2\n",
-            ":2:", "'b2' is not in artifact 'plate'; did you mean"},
-        Bad{"too few cells", "time_s,x_mm,feature\n0,0\n", ":2:", "2 cells, but the header names 3"},
-        Bad{"nothing measured", "time_s,x_mm,feature\n0,0,\n", ":2:", "the row holds no measurement"},
-        Bad{"two kinds at once", "time_s,feature,deviation_x_um\n0,b0,1\n", ":2:", "leave the others empty"},
-        Bad{"weight of zero", "time_s,deviation_x_um,deviation_x_std_um\n0,1,0\n", ":2:", "must be above 0"},
-        Bad{"open quote", "time_s,feature\n0,\"b0\n", ":2:", "a quote is not closed"},
-        Bad{"empty file", "", ":", "is empty"},
-        Bad{"empty session", "time_s,x_mm,feature\n", ":", "no row holds a measurement"}));
+        BadTable{"unknown column", "time_s,x_mm,featur\n0,0,b0\n", ":1:", "'featur' is unknown"},
+        BadTable{"nearest name", "time_s,x_velocty_mm_s,feature\n0,0,b0\n",
+                 ":1:", "did you mean 'x_velocity_mm_s'"},
+        BadTable{"misspelt, with a unit", "tme_s,x_mm,feature\n0,0,b0\n", ":1:", "did you mean 'time_s'"},
+        BadTable{"joint of another machine", "time_s,b_deg,feature\n0,0,b0\n",
+                 ":1:", "'b_deg' is unknown on this machine"},
+        BadTable{"wrong unit", "time_s,x_um,feature\n0,0,b0\n", ":1:", "wants 'x_mm'"},
+        BadTable{"wrong unit of a linear joint", "time_s,x_deg,feature\n0,0,b0\n", ":1:", "wants 'x_mm'"},
+        BadTable{"wrong unit of time", "time_ms,x_mm,feature\n0,0,b0\n", ":1:", "wants 'time_s'"},
+        BadTable{"wrong unit of a deviation", "time_s,x_mm,deviation_x_mm\n0,0,1\n",
+                 ":1:", "wants 'deviation_x_um'"},
+        BadTable{"wrong unit of a velocity", "time_s,x_velocity_m_s,feature\n0,0,b0\n",
+                 ":1:", "wants 'x_velocity_mm_s'"},
+        BadTable{"wrong unit of a temperature", "time_s,bed_degF,feature\n0,0,b0\n", ":1:", "'bed_degC'"},
+        BadTable{"no unit", "time_s,x,feature\n0,0,b0\n", ":1:", "wants 'x_mm'"},
+        BadTable{"doubled column", "time_s,x_mm,x_mm,feature\n0,0,0,b0\n", ":1:", "'x_mm' is given twice"},
+        BadTable{"column without a name", "time_s,,feature\n0,0,b0\n", ":1:", "column 2 has no name"},
+        BadTable{"semicolons", "time_s;x_mm;feature\n0;0;b0\n", ":1:", "separated by commas"},
+        BadTable{"sensor that cannot be a topic", "time_s,be d_degC,feature\n0,0,b0\n",
+                 ":1:", "letters, digits and _"},
+        BadTable{"no time", "x_mm,feature\n0,b0\n", ":1:", "'time_s' is missing"},
+        BadTable{"NaN", "time_s,x_mm,feature\n0,0,b0\n1,nan,b0\n",
+                 ":3:", "column 'x_mm': 'nan' is not a finite number"},
+        BadTable{"infinite", "time_s,x_mm,feature\n0,inf,b0\n", ":2:", "not a finite number"},
+        BadTable{"text for a number", "time_s,x_mm,feature\n\n0,1.5mm,b0\n",
+                 ":3:", "'1.5mm' is not a finite number"},
+        BadTable{"number too large", "time_s,x_mm,feature\n0,1e999,b0\n", ":2:", "not a finite number"},
+        BadTable{"empty time", "time_s,x_mm,feature\n,1,b0\n", ":2:", "'time_s' is empty"},
+        BadTable{"time in milliseconds", "time_s,x_mm,feature\n1700000000000,1,b0\n",
+                 ":2:", "is it in seconds"},
+        BadTable{"empty reading", "time_s,x_mm,feature\n0,,b0\n", ":2:", "the reading of joint 'x' is empty"},
+        BadTable{"unknown feature", "time_s,x_mm,feature\n0,0,b2\n",
+                 ":2:", "'b2' is not in artifact 'plate'; did you mean"},
+        BadTable{"too few cells", "time_s,x_mm,feature\n0,0\n", ":2:", "2 cells, but the header names 3"},
+        BadTable{"nothing measured", "time_s,x_mm,feature\n0,0,\n", ":2:", "the row holds no measurement"},
+        BadTable{"two kinds at once", "time_s,feature,deviation_x_um\n0,b0,1\n",
+                 ":2:", "leave the others empty"},
+        BadTable{"weight of zero", "time_s,deviation_x_um,deviation_x_std_um\n0,1,0\n",
+                 ":2:", "must be above 0"},
+        BadTable{"open quote", "time_s,feature\n0,\"b0\n", ":2:", "a quote is not closed"},
+        BadTable{"empty file", "", ":", "is empty"},
+        BadTable{"empty session", "time_s,x_mm,feature\n", ":", "no row holds a measurement"}));
 
 TEST_F(ContactsCsv, ContactsNeedAnArtifact) {
   EXPECT_THAT(test::messageOf<InputError>([&] { readWithoutArtifact("time_s,x_mm,feature\n0,0,b0\n"); }),

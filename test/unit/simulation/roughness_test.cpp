@@ -16,8 +16,6 @@ namespace {
 
 constexpr double kNoise = 0.3e-6;  // m
 
-Machine threeAxis() { return Machine::load("three_axis"); }
-
 std::string plate(int points, const std::string& instrument) {
   return R"(
 artifact:
@@ -36,13 +34,14 @@ instrument:
 )" + instrument;
 }
 
-Simulation run(const std::string& plan, const std::string& rough, std::uint64_t seed = 1,
-               std::vector<std::string> hide = {}) {
+Simulation simulated(const std::string& plan, const std::string& rough, std::uint64_t seed = 1,
+                     std::vector<std::string> hide = {}) {
   SimulationRequest request;
   request.seed = seed;
   request.hide = std::move(hide);
   request.rough = rough;
-  return simulate(threeAxis(), Plan::parse(plan, "plan.yaml", ".", threeAxis()), request);
+  const Machine machine = Machine::load("three_axis");
+  return simulate(machine, Plan::parse(plan, "plan.yaml", ".", machine), request);
 }
 
 std::string withNoise(int points, const std::string& more = "") {
@@ -73,7 +72,7 @@ double memory(const std::vector<double>& v) {
 /// What the readings of a joint are beyond those of the same session without noise, m.
 std::vector<double> noiseOf(const Simulation& s, int joint) {
   const auto contacts = static_cast<int>(s.session.observations.size());
-  const Simulation clean = run(plate(contacts / 2, "  noise: {repeatability_um: 0}\n"), "");
+  const Simulation clean = simulated(plate(contacts / 2, "  noise: {repeatability_um: 0}\n"), "");
   std::vector<double> noise;
   for (int i = 0; i < contacts; ++i)
     noise.push_back(s.session.observations[i].position[joint] -
@@ -152,7 +151,7 @@ TEST(Roughness, IsReadFromAPlan) {
 TEST(Roughness, DriftHasTheSizeThatWasAskedForInEachJoint) {
   for (const double size : {0.5, 2.0})
     for (const std::uint64_t seed : {1, 2, 3}) {
-      const Simulation s = run(withNoise(150), "drift=" + std::to_string(size), seed);
+      const Simulation s = simulated(withNoise(150), "drift=" + std::to_string(size), seed);
       for (int joint = 0; joint < 3; ++joint) {
         const std::vector<double> e = errors(s, joint);
         EXPECT_NEAR(rmsAboutMean(e), size * kNoise, 0.001 * kNoise);
@@ -199,8 +198,8 @@ TEST(Roughness, NothingDriftsWhereNothingIsMeasuredTwice) {
 }
 
 TEST(Roughness, CorrelatedNoiseRemembersTheContactBefore) {
-  const Simulation s = run(withNoise(750), "correlated"), twice = run(withNoise(750), "correlated=2"),
-                   white = run(withNoise(750), "");
+  const Simulation s = simulated(withNoise(750), "correlated"),
+                   twice = simulated(withNoise(750), "correlated=2"), white = simulated(withNoise(750), "");
   for (int joint = 0; joint < 3; ++joint) {
     const std::vector<double> noise = noiseOf(s, joint);
     EXPECT_NEAR(memory(noise), 0.7, 0.07);
@@ -212,7 +211,7 @@ TEST(Roughness, CorrelatedNoiseRemembersTheContactBefore) {
 }
 
 TEST(Roughness, CorrelationCanBeSet) {
-  const Simulation s = run(withNoise(750, "  rough: {correlated: {correlation: -0.4}}\n"), "");
+  const Simulation s = simulated(withNoise(750, "  rough: {correlated: {correlation: -0.4}}\n"), "");
   EXPECT_NEAR(memory(noiseOf(s, 0)), -0.4, 0.07);
 }
 
@@ -220,7 +219,7 @@ TEST(Roughness, TailsAreHeavyAtTheSameStandardDeviation) {
   // Of Student's t with three degrees of freedom and standard deviation 1 a half is within 0.4416.
   std::vector<double> size;
   double square = 0.0;
-  const Simulation s = run(withNoise(1500, "  rough: {tails: {wild_share: 0}}\n"), "");
+  const Simulation s = simulated(withNoise(1500, "  rough: {tails: {wild_share: 0}}\n"), "");
   for (int joint = 0; joint < 3; ++joint)
     for (const double n : noiseOf(s, joint)) {
       size.push_back(std::abs(n) / kNoise);
@@ -233,8 +232,8 @@ TEST(Roughness, TailsAreHeavyAtTheSameStandardDeviation) {
 }
 
 TEST(Roughness, OneContactInAHundredIsWild) {
-  const Simulation calm = run(withNoise(1500, "  rough: {tails: {wild_share: 0}}\n"), ""),
-                   wild = run(withNoise(1500), "tails");
+  const Simulation calm = simulated(withNoise(1500, "  rough: {tails: {wild_share: 0}}\n"), ""),
+                   wild = simulated(withNoise(1500), "tails");
   int off = 0;
   for (std::size_t i = 0; i < calm.states.size(); ++i) {
     Eigen::Vector3d moved;
@@ -251,7 +250,7 @@ TEST(Roughness, OneContactInAHundredIsWild) {
 }
 
 TEST(Roughness, QuantisedReadingsAreMultiplesOfTheStep) {
-  const Simulation s = run(withNoise(100), "quantised"), fine = run(withNoise(100), "");
+  const Simulation s = simulated(withNoise(100), "quantised"), fine = simulated(withNoise(100), "");
   for (std::size_t i = 0; i < s.states.size(); ++i)
     for (int j = 0; j < 3; ++j) {
       const double reading = s.session.observations[i].position[j], steps = reading / (3.0 * kNoise);
@@ -263,9 +262,9 @@ TEST(Roughness, QuantisedReadingsAreMultiplesOfTheStep) {
 TEST(Roughness, BallsHaveFormRadiusAndCentreErrors) {
   double form = 0.0, radius = 0.0, centre = 0.0;
   int balls = 0;
-  const Artifact stated = run(withNoise(2), "").session.artifact;
+  const Artifact stated = simulated(withNoise(2), "").session.artifact;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
-    const Simulation s = run(withNoise(2), "form=2", seed);
+    const Simulation s = simulated(withNoise(2), "form=2", seed);
     const TrueArtifact& artifact = s.truth->physics().artifact;
     for (int f = 0; f < 2; ++f, ++balls) {
       std::vector<double> shape;
@@ -286,7 +285,7 @@ TEST(Roughness, BallsHaveFormRadiusAndCentreErrors) {
 }
 
 TEST(Roughness, FormIsSmooth) {
-  const Simulation s = run(withNoise(2), "form");
+  const Simulation s = simulated(withNoise(2), "form");
   const TrueArtifact& artifact = s.truth->physics().artifact;
   for (double angle = 0.0; angle < 2.0 * kPi; angle += 1.0 * kDegree) {
     const auto at = [&](double a) {
@@ -297,7 +296,7 @@ TEST(Roughness, FormIsSmooth) {
 }
 
 TEST(Roughness, SensorsAreNoisyStepwiseLateAndOff) {
-  const Simulation s = run(withNoise(200), "sensors"), smooth = run(withNoise(200), "");
+  const Simulation s = simulated(withNoise(200), "sensors"), smooth = simulated(withNoise(200), "");
   ASSERT_EQ(s.session.temperatures.size(), smooth.session.temperatures.size());
   std::vector<double> offsets;
   for (std::size_t k = 0; k < s.session.temperatures.size(); ++k) {
@@ -322,7 +321,7 @@ TEST(Roughness, SensorsLagByTheTimeThatIsSet) {
   const auto lateBy = [](const std::string& lag) {
     const std::string quiet =
         "  rough: {sensors: {noise_K: 0, step_K: 0, offset_K: 0, lag_s: " + lag + "}}\n";
-    const Simulation s = run(withNoise(150, quiet), "");
+    const Simulation s = simulated(withNoise(150, quiet), "");
     const Series& air = *std::find_if(s.session.temperatures.begin(), s.session.temperatures.end(),
                                       [](const Series& series) { return series.name == "air"; });
     double best = 0.0, least = 1e9;
@@ -340,8 +339,9 @@ TEST(Roughness, SensorsLagByTheTimeThatIsSet) {
 }
 
 TEST(Roughness, TheSameSeedGivesTheSameBits) {
-  const Simulation a = run(withNoise(60), "all,quantised", 7), b = run(withNoise(60), "all,quantised", 7),
-                   c = run(withNoise(60), "all,quantised", 8);
+  const Simulation a = simulated(withNoise(60), "all,quantised", 7),
+                   b = simulated(withNoise(60), "all,quantised", 7),
+                   c = simulated(withNoise(60), "all,quantised", 8);
   for (std::size_t i = 0; i < a.states.size(); ++i)
     EXPECT_EQ(a.session.observations[i].position, b.session.observations[i].position);
   EXPECT_EQ(a.session.temperatures[0].value, b.session.temperatures[0].value);
@@ -350,8 +350,8 @@ TEST(Roughness, TheSameSeedGivesTheSameBits) {
 }
 
 TEST(Roughness, WithNoneOfItNothingChanges) {
-  const Simulation a = run(withNoise(60), ""), b = run(withNoise(60, "  rough: none\n"), "none"),
-                   c = run(withNoise(60, "  rough: all\n"), "none");
+  const Simulation a = simulated(withNoise(60), ""), b = simulated(withNoise(60, "  rough: none\n"), "none"),
+                   c = simulated(withNoise(60, "  rough: all\n"), "none");
   for (std::size_t i = 0; i < a.states.size(); ++i) {
     EXPECT_EQ(a.session.observations[i].position, b.session.observations[i].position);
     EXPECT_EQ(a.session.observations[i].position, c.session.observations[i].position);
@@ -361,12 +361,12 @@ TEST(Roughness, WithNoneOfItNothingChanges) {
 TEST(Roughness, WhatIsHiddenIsTheSameOnARoughMachine) {
   for (const char* kind : {"random", "random_uncatalogued"})
     for (std::uint64_t seed = 1; seed <= 12; ++seed) {
-      const Simulation smooth = run(withNoise(40), "", seed, {kind}),
-                       rough = run(withNoise(40), "all,quantised", seed, {kind});
+      const Simulation smooth = simulated(withNoise(40), "", seed, {kind}),
+                       rough = simulated(withNoise(40), "all,quantised", seed, {kind});
       ASSERT_EQ(smooth.hidden.size(), 1u);
       EXPECT_EQ(smooth.hidden[0].text(), rough.hidden[0].text());
       // the error that it makes, to the last bit: roughness away, it is the same instrument
-      const Simulation drifting = run(withNoise(40), "drift", seed, {kind});
+      const Simulation drifting = simulated(withNoise(40), "drift", seed, {kind});
       ASSERT_EQ(drifting.truth->physics().sources.size(), smooth.truth->physics().sources.size() + 3u);
       for (std::size_t i = 0; i < smooth.states.size(); i += 7) {
         Condition now;
@@ -422,10 +422,11 @@ instrument: {noise: {repeatability_um: 0.3, reference_um: 0.1, reference_arcsec:
 TEST(Roughness, TheTruthSaysHowRoughTheSessionIs) {
   SimulationRequest request;
   request.rough = "drift=2";
-  const Plan plan = Plan::parse(withNoise(4, "  rough: {form: 1}\n"), "plan.yaml", ".", threeAxis());
-  EXPECT_NE(truthYaml(simulate(threeAxis(), plan, request), request).find("rough: drift=2,form=1\n"),
+  const Machine machine = Machine::load("three_axis");
+  const Plan plan = Plan::parse(withNoise(4, "  rough: {form: 1}\n"), "plan.yaml", ".", machine);
+  EXPECT_NE(truthYaml(simulate(machine, plan, request), request).find("rough: drift=2,form=1\n"),
             std::string::npos);
-  EXPECT_EQ(truthYaml(run(withNoise(4), ""), {}).find("rough"), std::string::npos);
+  EXPECT_EQ(truthYaml(simulated(withNoise(4), ""), {}).find("rough"), std::string::npos);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ namespace {
 using nlohmann::json;
 using BenchMachineTest = test::BenchTest;
 
-const char* const kStl =
+const char* const kFacet =
     "solid one\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.1 0 0\nvertex 0 0.2 0\nendloop\n"
     "endfacet\nendsolid one\n";
 
@@ -77,8 +77,8 @@ TEST_F(BenchMachineTest, ALookThatIsRefusedSaysThatOthersWait) {
 
 TEST_F(BenchMachineTest, MeshesOfAPackageAreDrawnAndNoOtherFilesOfASession) {
   std::filesystem::create_directories(folder_.path("package"));
-  std::ofstream(folder_.path("package/bed.stl")) << kStl;
-  std::ofstream(folder_.path("secret.stl")) << kStl;
+  std::ofstream(folder_.path("package/bed.stl")) << kFacet;
+  std::ofstream(folder_.path("secret.stl")) << kFacet;
   start();
   EXPECT_EQ(bench_->get("/data/meshes").status, 404u) << "the URDF names none";
   const auto sent = [&](const std::string& mesh) {
