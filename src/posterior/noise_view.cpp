@@ -187,7 +187,6 @@ void NoiseView::askShapes(int first, int end, const ActingSet& set, const Joint&
   }
 }
 
-/// A chain comes back to where it was in two steps of three.
 std::shared_ptr<const Conditionals> NoiseView::look(const ActingSet& set) const {
   CancelScope::check();
   {

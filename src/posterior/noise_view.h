@@ -32,6 +32,7 @@ class NoiseView {
   /// Log density of this state and set, data included: prior of the noise, of the causes, their shapes and
   /// sizes, and the evidence with coefficients and the scale of the noise integrated out.
   double logDensity(const ActingSet& set) const;
+  /// What was asked lately is kept: a chain comes back to where it was in two steps of three.
   std::shared_ptr<const Conditionals> look(const ActingSet& set) const;
   /// Variance of the white noise beside a set, in units of the stated one.
   double whiteVariance(const ActingSet& set) const;

@@ -87,6 +87,35 @@ TEST(NoiseView, ConditionalsSumShapesAndSizesGivenTheOthers) {
   }
 }
 
+// So many causes that what is kept is given up again and again.
+TEST(NoiseView, WhatIsKeptIsWhatAFreshViewSays) {
+  constexpr int kMore = 100;
+  const SmallProblem small(4);
+  PosteriorProblem many = small.problem;
+  many.columns.conservativeResize(Eigen::NoChange, 7 + kMore);
+  many.columns.rightCols(kMore) = RowMatrix::Random(SmallProblem::kRows, kMore);
+  for (int k = 0; k < kMore; ++k) {
+    CauseShape shape = many.shapes.front();
+    shape.cause = static_cast<int>(many.causes.size());
+    shape.first = 7 + k;
+    shape.count = 1;
+    const auto at = static_cast<int>(many.shapes.size());
+    many.shapes.push_back(shape);
+    many.causes.push_back({std::log(0.3), at, at + 1});
+  }
+  const NoiseView view(many, small.walking());
+  const std::vector<ActingSet> sets = everySet(small.problem);
+  EXPECT_EQ(view.look(sets[1]), view.look(sets[1])) << "asked again it is the same answer";
+  const auto before = view.look(sets[1]);
+  for (std::size_t i = 0; i < 1000; ++i) view.look(sets[i]);
+  EXPECT_NE(view.look(sets[1]), before) << "what was asked long ago is not kept";
+  for (std::size_t i = 1; i < 1000; i += 90) {
+    const auto kept = view.look(sets[i]), fresh = NoiseView(many, small.walking()).look(sets[i]);
+    EXPECT_EQ(kept->logOdds, fresh->logOdds) << i;
+    EXPECT_TRUE((kept->logWeights == fresh->logWeights).all()) << i;
+  }
+}
+
 // One cause that is no number would make every probability of the sample none, and nothing be named.
 TEST(NoiseView, ACauseWhoseEvidenceIsNoNumberEndsTheSample) {
   const SmallProblem small(5);

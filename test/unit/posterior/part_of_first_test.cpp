@@ -39,6 +39,22 @@ TEST(PartOfFirst, OfIndependentCoefficientsAboutZeroOneInEightIsSuch) {
   EXPECT_NEAR(logPartOfFirst(Eigen::Vector2d(0.0, 0.0), Eigen::Matrix2d::Identity()), std::log(0.125), 1e-9);
 }
 
+TEST(PartOfFirst, AtEachSizeItIsThatOfTheCoefficientsThatAreExpectedThen) {
+  Eigen::Matrix3d products;
+  products << 40.0, 25.0, 3.0, 25.0, 30.0, -4.0, 3.0, -4.0, 9.0;
+  const Eigen::Vector3d target(30.0, 22.0, 1.0);
+  constexpr double kRest = 60.0, kFreedoms = 38.0;
+  const Sizes logs = logPartOfFirst(products, target, kRest, kFreedoms);
+  for (int s = 0; s < kSizes; ++s) {
+    const Eigen::Matrix3d known = Eigen::Matrix3d::Identity() / (sizeGrid()[s] * sizeGrid()[s]);
+    const Eigen::Matrix3d covariance = (products + known).inverse();
+    const Eigen::Vector3d mean = covariance * target;
+    const double variance = (kRest - mean.dot(target)) / kFreedoms;
+    const Eigen::Matrix2d ofTwo = variance * covariance.topLeftCorner<2, 2>();
+    EXPECT_NEAR(logs[s], logPartOfFirst(Eigen::Vector2d(mean.head<2>()), ofTwo), 1e-9) << sizeGrid()[s];
+  }
+}
+
 TEST(PartOfFirst, MoreAtOnceThanIsLostInAllIsAsGoodAsImpossible) {
   const Eigen::Matrix2d sure = 1e-2 * Eigen::Matrix2d::Identity();
   EXPECT_NEAR(logPartOfFirst(Eigen::Vector2d(10.0, 4.0), sure), 0.0, 1e-6);
