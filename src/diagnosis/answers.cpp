@@ -130,8 +130,11 @@ std::vector<Answer> answersOf(const Search& search, const Explanation& found) {
     const Eigen::VectorXd values = solveSymmetric(products, all.transpose() * q.space->target());
     int at = 0;
     for (Answer& a : answers)
-      for (const int k : linearParameters(*a.effect))
-        a.start[k] = values[at++] * a.effect->parameters()[k].scale;
+      for (const int k : linearParameters(*a.effect)) {
+        const Parameter& p = a.effect->parameters()[static_cast<std::size_t>(k)];
+        // what states a place or a direction itself adds nothing at its start, which is the nominal one
+        a.start[k] = (a.effect->nature().startTells ? p.start : 0.0) + values[at++] * p.scale;
+      }
   }
   return answers;
 }

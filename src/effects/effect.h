@@ -60,7 +60,7 @@ struct Nature {
   /// The error is the sum over the parameters of coefficient(i, p_i) times a function of the state alone;
   /// linear effects are. As coefficient(i, 0) = 0 with slope 1, the derivatives at zero are those functions.
   bool separable = false;
-  bool startTells = false;  // the derivatives at the start values tell what a session can determine
+  bool startTells = false;  // nothing at its start values; the derivatives there tell what is determined
   bool composite = false;   // never a candidate of a diagnosis
   /// Its shape is learned from the residuals of the model without it (estimation/network_learning); until
   /// then it has no parameters.
