@@ -28,7 +28,7 @@ std::string sizeInWords(const CandidateResult& c, bool angular) {
   constexpr std::size_t kFew = 4;
   std::string each;
   for (const NamedValue& v : p)
-    if (p.size() <= kFew && std::abs(v.value) > 2.0 * v.std)
+    if (p.size() <= kFew && v.std > 0.0 && std::abs(v.value) > 2.0 * v.std)
       each += (each.empty() ? "" : ", ") + spaced(v.name) + " " + expanded(v.value, v.std, v.unit);
   if (!each.empty()) return each;
   return c.size > 0.0 ? errorInWords(c.size, angular) + " RMS" : "";

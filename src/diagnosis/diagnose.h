@@ -22,7 +22,7 @@ struct WhereItFails {
 /// One estimated parameter of a missing effect, in its unit for people.
 struct NamedValue {
   std::string name, unit;
-  double value = 0.0, std = 0.0;
+  double value = 0.0, std = 0.0;  // std 0: the session does not determine it
 };
 
 /// An explanation that the data do not separate from the one that is named.

@@ -42,7 +42,8 @@ std::string entry(const std::string& label, const std::string& text) {
 
 std::string missingText(const CandidateResult& c, bool angular, const ErrorSymbols& symbols) {
   std::string text = "  " + inWords(c.effect, symbols) + "\n";
-  for (const NamedValue& p : c.parameters) text += entry(p.name, expanded(p.value, p.std, p.unit));
+  for (const NamedValue& p : c.parameters)
+    text += entry(p.name, p.std > 0.0 ? expanded(p.value, p.std, p.unit) : "not determined by this session");
   text += entry("odds", oddsInWords(c.odds));
   text += entry("held-out RMS", length(c.heldOutBefore, angular) + " -> " + length(c.heldOutAfter, angular));
   std::string label = "or instead";

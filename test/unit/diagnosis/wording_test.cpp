@@ -116,6 +116,8 @@ TEST(Size, IsTheConstantTheAmplitudeOrTheRms) {
   EXPECT_EQ(sizeInWords(c, false), "2.00 ± 0.20 um");
   c.parameters = {{"x", "um", 2.0, 0.1}, {"y", "um", 0.1, 0.1}, {"z", "um", -1.0, 0.1}};
   EXPECT_EQ(sizeInWords(c, false), "x 2.00 ± 0.20 um, z -1.00 ± 0.20 um");
+  c.parameters = {{"x", "um", 2.0, 0.1}, {"y", "um", 1e-7, 0.0}};  // y: not determined
+  EXPECT_EQ(sizeInWords(c, false), "x 2.00 ± 0.20 um");
   c.parameters = {{"x", "um", 0.0, 0.1}, {"y", "um", 0.1, 0.1}};
   EXPECT_EQ(sizeInWords(c, false), "0.87 um RMS");
 }

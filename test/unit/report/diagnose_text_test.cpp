@@ -36,6 +36,13 @@ Diagnosis confusable() {
   return d;
 }
 
+TEST(DiagnoseText, SaysWhichConstantIsNotDetermined) {
+  Diagnosis d = verdict(Verdict::kMissingEffect);
+  d.missing = {play()};
+  d.missing[0].parameters.push_back({"growth", "um/h", 1e-7, 0.0});
+  EXPECT_TRUE(has(textOf(d), "    growth            not determined by this session\n")) << textOf(d);
+}
+
 TEST(DiagnoseText, TellsEachMissingEffect) {
   Diagnosis d = verdict(Verdict::kMissingEffect);
   d.missing = {play()};
