@@ -27,11 +27,13 @@ inline std::vector<double> timeConstantStarts(const Domain& domain) {
 }
 
 /// Gives a law of what settles after the start its time constant, the last parameter. Of a slower one the
-/// session saw hardly more than a steady change.
+/// session saw hardly more than a steady change, of a quicker one not more than its first reading: the rest
+/// is a constant, and what differs in one reading alone an outlier.
 inline void settles(Law& law, const Domain& domain) {
   law.parameters.push_back(timeConstant("time_constant", domain));
   law.starts = timeConstantStarts(domain);
   law.longest = law.starts.back();
+  if (domain.gaps.size() > 1) law.shortest = domain.gaps[1];
 }
 
 }  // namespace mm
