@@ -30,6 +30,7 @@ double Domain::spacingOf(int joint) const {
 
 void Domain::setMachine(const Machine& machine) {
   joints = machine.joints();
+  tableJoints = machine.tableJoints();
   probeZero = machine.tipTranslation();
   probeRotation = machine.tipRotation();
 }

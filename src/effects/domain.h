@@ -16,6 +16,7 @@ constexpr double kStoodStill = 1e-9;
 /// SI units.
 struct Domain {
   std::vector<Joint> joints;
+  int tableJoints = 0;                         // the first ones, which carry the workpiece
   std::vector<double> lower, upper;            // observed range of each joint's reading
   std::vector<std::vector<double>> positions;  // a joint: distinct positions measured (ascending, at most 64)
   std::vector<double> spacing;  // a joint: of the grid that all its positions lie on; 0: they lie on none

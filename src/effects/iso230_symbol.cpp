@@ -163,7 +163,8 @@ std::string ErrorSymbols::of(const EffectSpec& effect) const {
                                     row->is == ErrorOf::kPlace ? JointKind::kLinear : JointKind::kRotary),
                     "0" + rotary->name);
     case ErrorOf::kRadialAndReading:
-      return rotations(text("joint"), false);
+      return text("reading_only") == "true" ? motion(text("joint"), text("joint"))
+                                            : rotations(text("joint"), false);
     case ErrorOf::kTilts:
       return rotations(text("joint"), true);
   }

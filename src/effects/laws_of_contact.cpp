@@ -1,4 +1,5 @@
 // What the probe and the artifact do.
+#include <algorithm>
 #include <cmath>
 
 #include "effects/law.h"
@@ -9,6 +10,19 @@
 namespace mm {
 namespace {
 
+/// The tip stands elsewhere at the last axis, LASER eq. (7): Q43 of a probe without a beam, as displacement
+/// in the axes of probe_tip.
+Law tipOffset(SpecReader& read) {
+  Law law;
+  law.nature.stage = Stage::kProbe;
+  for (int k = 0; k < 3; ++k) law.parameters.push_back(parameter(axisName(k), kUnitMicrometre, 1e-5, 1e-2));
+  law.add = [layout = read.layout()](const State&, const double* p, ErrorSink& sink) {
+    for (int k = 0; k < 3; ++k) sink.add(layout.probe(k), k, p[k], 1.0);
+  };
+  law.nature.choosesFrame = {0, 1, 2};
+  return law;
+}
+
 Law probeRadius(SpecReader& read) {
   return oneTerm(Stage::kProbe, read.layout().distance(), errorParameter("radius", JointKind::kLinear),
                  [](const State&) { return 1.0; });
@@ -16,6 +30,12 @@ Law probeRadius(SpecReader& read) {
 
 bool touchesBalls(const EffectSpec&, const Domain& domain) {
   return !domain.laser && !ballNames(domain).empty();
+}
+/// An axis of rotation carries the touch probe: else an artifact that is displaced looks the same. The mount
+/// of a laser is a law of its own.
+bool headCarriesTip(const EffectSpec&, const Domain& domain) {
+  return !domain.laser && std::any_of(domain.joints.begin() + domain.tableJoints, domain.joints.end(),
+                                      [](const Joint& joint) { return joint.kind == JointKind::kRotary; });
 }
 bool hasLaser(const EffectSpec&, const Domain& domain) { return domain.laser; }
 bool hasFeatures(const EffectSpec&, const Domain& domain) { return !domain.features.empty(); }
@@ -135,6 +155,7 @@ std::vector<LawRow> lawsOfContact() {
        {},
        artifactPosition},
       {"artifact_expansion", {"sensor"}, {sensors()}, hasFeatures, artifactExpansion},
+      {"tip_offset", {}, {}, headCarriesTip, tipOffset},
   };
 }
 

@@ -79,39 +79,44 @@ bool acrossAxis(const EffectSpec& spec, const Domain& domain) {
   return !alongAxis(domain.joints[domain.findJoint(spec.text("joint"))], axis[0] - 'x');
 }
 
+/// In two radial directions: tilts (rad), or displacements (m) with the scale's own error of reading; a scale
+/// that alone is eccentric has only that.
+enum class Wave { kTilt, kRadialAndReading, kReading };
 /// An error motion of the axis of rotation that comes back with each 1/harmonic of a turn: a cosine and a
-/// sine in two radial directions, four parameters. @param rotation tilts (rad), else displacements (m); these
-/// with the scale's own error of reading, two parameters more.
-Law rotaryWave(SpecReader& read, bool rotation) {
+/// sine of each of its components.
+Law rotaryWave(SpecReader& read, Wave wave) {
   const int joint = read.joint("joint", JointKind::kRotary);
   const RadialDirections radial(read, joint);
   const int harmonic = read.integer("harmonic", 1, kHighestHarmonic);
   Law law;
   law.nature.stage = Stage::kJoint;
-  for (const std::string& direction : radial.names)
-    for (const char* phase : {"cos", "sin"})
+  const bool tilts = wave == Wave::kTilt;
+  const int radials = wave == Wave::kReading ? 0 : 2, reading = 2 * radials;
+  for (int d = 0; d < radials; ++d)
+    for (const char* phase : {"_cos", "_sin"})
       law.parameters.push_back(
-          errorParameter(direction + "_" + phase, rotation ? JointKind::kRotary : JointKind::kLinear));
-  if (!rotation)
+          errorParameter(radial.names[d] + phase, tilts ? JointKind::kRotary : JointKind::kLinear));
+  if (!tilts)
     for (const char* phase : {"cos", "sin"})
       law.parameters.push_back(errorParameter(std::string("reading_") + phase, JointKind::kRotary));
-  law.add = [layout = read.layout(), directions = radial.directions, joint, harmonic, rotation](
-                const State& s, const double* p, ErrorSink& sink) {
+  law.add = [layout = read.layout(), directions = radial.directions, joint, harmonic, tilts, radials,
+             reading](const State& s, const double* p, ErrorSink& sink) {
     const double phase = harmonic * s.position[joint];
     const double cosine = std::cos(phase), sine = std::sin(phase);
-    for (int d = 0; d < 2; ++d)
+    for (int d = 0; d < radials; ++d)
       for (int k = 0; k < 3; ++k) {
         const double along = directions[d][k];
         if (along == 0.0) continue;
-        const int slot = rotation ? layout.jointRotation(joint, k) : layout.jointTranslation(joint, k);
+        const int slot = tilts ? layout.jointRotation(joint, k) : layout.jointTranslation(joint, k);
         sink.add(slot, 2 * d, p[2 * d], cosine * along);
         sink.add(slot, 2 * d + 1, p[2 * d + 1], sine * along);
       }
-    if (rotation) return;
-    sink.add(layout.axis(joint), 4, p[4], cosine);
-    sink.add(layout.axis(joint), 5, p[5], sine);
+    if (tilts) return;
+    sink.add(layout.axis(joint), reading, p[reading], cosine);
+    sink.add(layout.axis(joint), reading + 1, p[reading + 1], sine);
   };
   law.nature.shapeKeys = {"harmonic"};
+  if (!tilts) law.nature.shapeKeys.push_back("reading_only");
   // no race is exactly round or exactly an ellipse, and no wave is a pure sine
   std::set<int> others{1, 2, 3, 2 * harmonic};
   others.erase(harmonic);
@@ -121,8 +126,10 @@ Law rotaryWave(SpecReader& read, bool rotation) {
   law.words["turn"] = harmonic == 1 ? "turn" : "1/" + std::to_string(harmonic) + " turn";
   return law;
 }
-Law rotaryEccentricity(SpecReader& read) { return rotaryWave(read, false); }
-Law rotaryWobble(SpecReader& read) { return rotaryWave(read, true); }
+Law rotaryEccentricity(SpecReader& read) {
+  return rotaryWave(read, read.flag("reading_only", false) ? Wave::kReading : Wave::kRadialAndReading);
+}
+Law rotaryWobble(SpecReader& read) { return rotaryWave(read, Wave::kTilt); }
 
 }  // namespace
 
@@ -140,7 +147,11 @@ std::vector<LawRow> lawsOfRotaryAxes() {
        {joint, fixed("about", {"x", "y", "z"})},
        acrossAxis,
        rotaryAxisTilt},
-      {"rotary_eccentricity", {"joint", "harmonic"}, {joint, harmonic}, {}, rotaryEccentricity},
+      {"rotary_eccentricity",
+       {"joint", "harmonic", "reading_only"},
+       {joint, harmonic, fixed("reading_only", {"", "true"})},
+       {},
+       rotaryEccentricity},
       {"rotary_wobble", {"joint", "harmonic"}, {joint, harmonic}, {}, rotaryWobble},
   };
 }

@@ -23,7 +23,7 @@ struct PageExample {
 
 /// One member of each type, on a machine that can have it.
 PageExample exampleOf(const std::string& type) {
-  for (const int which : {0, 1}) {
+  for (const int which : {0, 1, 2}) {
     const MachineRig rig = rigOf(which);
     for (const EffectSpec& spec : everySpec(rig.domain, which))
       if (spec.type == type)

@@ -71,6 +71,11 @@ TEST_F(Convention, speedOfAJointThatNeverMovedIsZeroWhereNotLogged) {
   EXPECT_TRUE(std::isnan(values("{type: speed_lag}", {1e-3})[layout.axis(0)]));
 }
 
+TEST_F(Convention, tipIsDisplacedInTheAxesOfTheProbe) {
+  const auto error = values("{type: tip_offset}", {1e-6, -2e-6, 3e-6});
+  for (int k = 0; k < 3; ++k) EXPECT_DOUBLE_EQ(error[layout.probe(k)], (k == 1 ? -2e-6 : (k + 1) * 1e-6));
+}
+
 TEST_F(Convention, largerTipStandsFurtherFromTheBall) {
   const auto error = values("{type: probe_radius}", {2e-6});
   for (int slot = 0; slot < layout.size(); ++slot)
@@ -282,6 +287,11 @@ TEST(RotaryConvention, motionIsInTheFixedSideAcrossTheAxis) {
   EXPECT_NEAR(tilted[at.jointRotation(1, 2)], 1e-5 * std::cos(0.5) + 2e-5 * std::sin(0.5), 1e-18);
   EXPECT_NEAR(tilted[at.jointRotation(1, 0)], 3e-5 * std::cos(0.5) + 4e-5 * std::sin(0.5), 1e-18);
   EXPECT_EQ(tilted[at.jointRotation(1, 1)], 0.0);
+  const EffectPtr scale = createEffect(
+      specOf("{type: rotary_eccentricity, joint: pan, harmonic: 1, reading_only: true}"), domain);
+  const auto led = evaluate(*scale, domain, state, {1e-5, 2e-5}).values;
+  EXPECT_NEAR(led[at.axis(0)], 1e-5 * std::cos(0.5) + 2e-5 * std::sin(0.5), 1e-18);
+  for (int slot = 0; slot < at.size(); ++slot) EXPECT_TRUE(slot == at.axis(0) || led[slot] == 0.0) << slot;
   const auto turned =
       evaluate(*createEffect(specOf("{type: rotary_eccentricity, joint: pan, harmonic: 1}"), domain), domain,
                state, {1e-6, 0, 0, 0, 0, 1e-5})

@@ -84,6 +84,7 @@ const std::vector<RowOfTable> kThreeAxis{
 };
 
 const std::vector<RowOfTable> kFiveAxis{
+    {"{type: tip_offset}", ""},
     {"{type: laser_mount}", ""},
     {"{type: laser_scale}", "reading"},
     {"{type: laser_incidence}", "b a approach"},

@@ -64,6 +64,7 @@ TEST(ErrorSymbols, AJointThatTurnsAboutZIsCWhateverItIsCalled) {
                  {"{type: rotary_axis_tilt, joint: b, about: x}", "A0C"},
                  {"{type: rotary_axis_tilt, joint: a, about: y}", "B0A"},
                  {"{type: rotary_eccentricity, joint: b, harmonic: 1}", "EXC, EYC, ECC"},
+                 {"{type: rotary_eccentricity, joint: b, harmonic: 1, reading_only: true}", "ECC"},
                  {"{type: rotary_wobble, joint: a, harmonic: 2}", "EBA, ECA"},
                  {"{type: straightness_reversal, axis: x, direction: z}", "EZX"},
                  {"{type: squareness, axis: x, of: y}", "C0Y"},
