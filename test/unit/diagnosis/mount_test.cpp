@@ -1,5 +1,5 @@
-// The probe does not stand in the head where the kinematic chain says: what a five-axis machine most often
-// has.
+// The probe does not stand in the head where the kinematic chain says, or the scale of a rotary axis is
+// eccentric.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -9,7 +9,6 @@
 
 #include "base/units.h"
 #include "diagnosed.h"
-#include "diagnosis/wording.h"
 #include "random_numbers.h"
 #include "simulation/simulate.h"
 
@@ -90,6 +89,11 @@ TEST(Mount, TheScaleOfARotaryAxisIsEccentric) {
   ASSERT_EQ(d.missing.size(), 1u) << d.sentence;
   EXPECT_EQ(d.missing[0].effect.type, "rotary_eccentricity") << d.sentence;
   EXPECT_EQ(d.missing[0].effect.text("joint"), "a") << d.sentence;
+  EXPECT_EQ(d.missing[0].effect.text("reading_only"), "true") << d.sentence;
+  ASSERT_EQ(d.missing[0].parameters.size(), 2u);
+  const NamedValue& sine = d.missing[0].parameters[1];
+  EXPECT_NEAR(sine.value, 30.0, 3.5 * sine.std) << d.sentence;
+  EXPECT_LT(sine.std, 3.0);  // arcsec
 }
 
 /// The values of the mount are places and a direction, not small errors: they begin at the nominal ones.
