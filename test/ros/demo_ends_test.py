@@ -20,7 +20,7 @@ class DemoEnds(unittest.TestCase):
         return folder, demo, support.Output(demo)
 
     def test_a_demo_that_fails_says_so(self):
-        folder, _, output = self.start("model:=/nowhere/model.yaml", "plan:=" + PLAN, "time_factor:=25", "rate:=20")
+        folder, _, output = self.start("model:=/nowhere/model.yaml", "plan:=" + PLAN, "time_factor:=8", "rate:=20")
         self.assertTrue(output.ends(80), str(output))
         self.assertIn("demo: FAILED: ", str(output))
         self.assertRegex(str(output), r"REQUIRED process \[demo-[0-9]+\] has died")
@@ -28,8 +28,8 @@ class DemoEnds(unittest.TestCase):
             self.assertIn("FAILED: ", result.read())
 
     def test_ctrl_c(self):
-        folder, demo, output = self.start("time_factor:=25", "rate:=20")
-        self.assertTrue(output.says("move 100 of ", 60), str(output))
+        folder, demo, output = self.start("time_factor:=8", "rate:=20")
+        self.assertTrue(output.says("move 20 of ", 60), str(output))
         support.stop(demo)
         self.assertTrue(output.ends(40), str(output))
         self.assertIn("demo: stopped", str(output))

@@ -8,7 +8,7 @@ import rostest
 
 import support
 
-FAST = [] if support.long_tests() else ["time_factor:=50", "rate:=20"]
+FAST = [] if support.long_tests() else ["time_factor:=8", "rate:=20"]
 READINGS = 30 if support.thorough_tests() else 10  # in each of twelve postures
 
 

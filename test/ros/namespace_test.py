@@ -17,7 +17,7 @@ class Namespace(unittest.TestCase):
         folder = support.folder()
         self.addCleanup(support.remove, folder)
         plan = support.shorter_plan(os.path.join(folder, "plan.yaml"), 8)
-        demo = support.launch(support.free_port(), "demo.launch", "folder:=" + folder, "plan:=" + plan, "time_factor:=25", "rate:=20",
+        demo = support.launch(support.free_port(), "demo.launch", "folder:=" + folder, "plan:=" + plan, "time_factor:=8", "rate:=20",
                               namespace="/machine1")
         self.addCleanup(support.stop, demo)
         output, _ = demo.communicate(timeout=280)
