@@ -287,6 +287,15 @@ std::vector<SourceKind> makeKinds() {
        {{"size", "m", 1e-6, 6e-6, true}},
        [](const Making& m) { m.workshop.physics.probe.radiusError += m.number("size"); },
        Probe::kTouch},
+      // a stylus that was changed: it matters where a rotary axis turns the probe
+      {"tip_offset",
+       {},
+       {{"x", "m", 5e-6, 30e-6, true}, {"y", "m", 5e-6, 30e-6, true}, {"z", "m", 5e-6, 30e-6, true}},
+       law([](const Instant& i, Distortion& d) {
+         d.probeShift += Eigen::Vector3d(i.number("x"), i.number("y"), i.number("z"));
+       }),
+       Probe::kTouch,
+       true},
       {"tip_wear",
        {},
        {{"size", "m/s", 2e-6 / 3600.0, 8e-6 / 3600.0, true}},

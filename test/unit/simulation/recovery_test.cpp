@@ -19,9 +19,7 @@ struct Recovery {
   double expected;  // SI, of the first parameter
 };
 
-void expectRecovered(const Recovery& r, const char* machineName, const char* planName) {
-  const Machine machine = Machine::load(machineName);
-  const Plan plan = Plan::load(std::string("config/plans/") + planName + ".yaml", machine);
+void expectRecovered(const Recovery& r, const Machine& machine, const Plan& plan) {
   SimulationRequest request;
   request.hide = {r.hide};
   request.seed = 3;
@@ -64,7 +62,26 @@ TEST(Recovery, TouchProbeOnThePlate) {
       {"covariate_offset:x/humidity=0.5um", "{type: covariate_offset, direction: x, covariate: humidity}",
        0.5e-6},
       {"covariate_scale:y/humidity=40ppm", "{type: covariate_scale, axis: y, covariate: humidity}", 40e-6}};
-  for (const Recovery& r : cases) expectRecovered(r, "three_axis", "nine_ball_plate");
+  const Machine machine = Machine::load("three_axis");
+  const Plan plan = Plan::load("config/plans/nine_ball_plate.yaml", machine);
+  for (const Recovery& r : cases) expectRecovered(r, machine, plan);
+}
+
+/// A ball touched in four postures of the head.
+TEST(Recovery, TouchProbeOnTheFiveAxisMachine) {
+  const Machine machine = Machine::load("five_axis");
+  const Plan plan = Plan::parse(
+      "artifact:\n"
+      "  name: ball\n"
+      "  balls: [{name: s0, centre: free, centre_mm: [-65, -25, 0], radius_mm: 6.0}]\n"
+      "  probe: {tip_radius_mm: 1}\n"
+      "touch:\n"
+      "  - {points: 30, b_deg: 0, a_deg: 0}\n"
+      "  - {points: 30, b_deg: -90, a_deg: -30}\n"
+      "  - {points: 30, b_deg: -45, a_deg: 45}\n"
+      "  - {points: 30, b_deg: -60, a_deg: -60}\n",
+      "plan", ".", machine);
+  expectRecovered({"tip_offset=20um,y=-15um,z=10um", "{type: tip_offset}", 20e-6}, machine, plan);
 }
 
 /// A guideway with a kink and a wave, hidden in the readings: what the table says at its knots is its
@@ -110,7 +127,9 @@ TEST(Recovery, LaserOnTheFiveAxisMachine) {
       {"rotary_zero:a=30arcsec", "{type: rotary_zero, joint: a}", 30.0 * kArcsecond},
       {"rotary_axis_offset:a/y=20um", "{type: rotary_axis_offset, joint: a, direction: y}", 20e-6},
       {"rotary_axis_tilt:b/x=40arcsec", "{type: rotary_axis_tilt, joint: b, about: x}", 40.0 * kArcsecond}};
-  for (const Recovery& r : cases) expectRecovered(r, "five_axis", "five_axis_ball");
+  const Machine machine = Machine::load("five_axis");
+  const Plan plan = Plan::load("config/plans/five_axis_ball.yaml", machine);
+  for (const Recovery& r : cases) expectRecovered(r, machine, plan);
 }
 
 }  // namespace

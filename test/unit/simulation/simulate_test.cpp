@@ -195,6 +195,7 @@ TEST(Simulate, EverySourceShowsAndGrowsWithItsSize) {
                                              {"speed_lag", {"", "ms", 1}},
                                              {"probe_lobing", {"", "um", 2}},
                                              {"probe_radius", {"", "um", 3}},
+                                             {"tip_offset", {"", "um", 20}},
                                              {"tip_wear", {"", "um/h", 10}},
                                              {"ball_radius", {":b1", "um", 3}},
                                              {"artifact_position", {":b0", "um", 5}},
@@ -213,6 +214,7 @@ TEST(Simulate, EverySourceShowsAndGrowsWithItsSize) {
     const auto size = [&](double factor) {
       std::string text = kind.type + c.place + "=" + std::to_string(c.size * factor) + c.unit;
       if (kind.type == "jump") text += ",at=20s";
+      if (kind.type == "tip_offset") text += ",y=0um,z=0um";
       if (kind.type == "laser_mount") text += ",beam=0rad";
       if (kind.type == "rotary_eccentricity") text += ",radial=0um";
       if (kind.type == "mmt_deviation")
