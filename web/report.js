@@ -143,7 +143,7 @@ function rivals(m) {
 
 function foundCard(m, title) {
   return el("div", { class: "card" }, el("h3", {}, title), el("dl", {},
-    entry("Size", m.parameters.map(sized).join(", ")),
+    entry("Size", m.parameters.map((p) => foundSize(p, expanded)).join(", ")),
     entry("Odds", m.odds_in_words),
     entry("Share of the error", known(m["size" + kSuffix]) && m["size" + kSuffix] > 0 ? plusMinus(m["size" + kSuffix], sizeStd(heldOut(m)), data.unit) + " RMS" + (diagnosis.repeatability_from === "estimated" || !(data.noise > 0) ? "" : ", " + num(m["size" + kSuffix] / data.noise, 2) + " × the repeatability") : ""),
     entry("Held-out RMS", arrow(heldOut(m))),

@@ -62,6 +62,9 @@ function expanded(value, std, unit) {
   return withUnit(rounded(value) + " ± " + rounded(wide), unit) + " (k = 2)";
 }
 
+/** A constant of a cause that a diagnosis found; `std` 0: the session does not determine it. @param show text of a value with its uncertainty. */
+const foundSize = (p, show) => p.name + (p.std > 0 ? " = " + show(p.value, p.std, p.unit) : " is not determined by this session");
+
 function pValue(p) {
   if (!known(p)) return "–";
   if (p >= 0.995) return "1";

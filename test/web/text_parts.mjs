@@ -27,6 +27,8 @@ const expected = {
   'expanded(3.14159, 0.2, "um")': "3.1 ± 0.4 µm (k = 2)",
   'expanded(99.96, 0.0499, "um")': "99.96 ± 0.10 µm (k = 2)",
   'expanded(-0.001, 0.4, "um")': "0.0 ± 0.8 µm (k = 2)",
+  'foundSize({ name: "tau", value: 900, std: 30, unit: "s" }, expanded)': "tau = 900 ± 60 s (k = 2)",
+  'foundSize({ name: "tau", value: 0, std: 0, unit: "s" }, expanded)': "tau is not determined by this session",
   'pValue(0.9999)': "1",
   'pValue(0.0312)': "0.031",
   'pValue(3.2e-6)': "3 × 10⁻⁶",

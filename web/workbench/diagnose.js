@@ -36,7 +36,7 @@ function Card({ found, unit, observations, first }) {
   const key = "held_out_rms_" + unit, yaml = yamlOf(found.effect), pair = found[key];
   return h("article", { class: "card effect", "aria-label": found.in_words },
     h("div", { class: "heading" }, h("h3", null, withSymbol(found)), h(Action, { label: "Add", kind: first ? "primary" : "", title: yaml, run: () => addAndAsk(yaml) })),
-    h("p", { class: "size" }, found.parameters.length <= 3 ? found.parameters.map((p) => p.name + " = " + measured(p.value, p.std, p.unit)).join(", ") + " (k\u00a0=\u00a02)" : "size " + text(found["size_" + unit], unit) + " RMS, " + found.parameters.length + " constants"),
+    h("p", { class: "size" }, found.parameters.length <= 3 ? found.parameters.map((p) => foundSize(p, measured)).join(", ") + " (k\u00a0=\u00a02)" : "size " + text(found["size_" + unit], unit) + " RMS, " + found.parameters.length + " constants"),
     h("dl", null,
       h("dt", null, "Odds"), h("dd", null, found.odds_in_words + " that it acts, against its rivals and chance"),
       pair ? [h("dt", null, "Held-out RMS"), h("dd", null, rms(pair[0], observations, unit) + " → " + rms(pair[1], observations, unit) + " (k\u00a0=\u00a02)")] : null,
