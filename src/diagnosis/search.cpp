@@ -71,7 +71,6 @@ Explanation Search::refitted(const std::vector<Member>& members, const Explanati
   const std::size_t scatter = ofBlock.size();
   NoiseFitOptions options;
   options.addDrift = false;
-  options.rounds = 2;
   const NoiseFitResult fit = NoiseFit(q_.rows, std::move(blocks)).run(start.noise, options);
   out.noise = fit.noise;
   out.scatter.assign(q_.scatter.size(), 0.0);

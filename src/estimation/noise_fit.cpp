@@ -311,7 +311,7 @@ void NoiseFit::refineTerms(int round, const NoiseFitOptions& options, NoiseFitRe
 
 NoiseFitResult NoiseFit::run(const NoiseModel& start, const NoiseFitOptions& options) const {
   NoiseFitResult best = at(start, options);
-  for (int round = 0; round < options.rounds; ++round) {
+  for (int round = 0;; ++round) {
     const double before = best.logEvidence;
     if (options.dropDrift) dropTerms(options, best);
     if (options.addDrift && !timeConstants_.empty()) addTerm(options, best);

@@ -70,7 +70,6 @@ struct NoiseFitOptions {
   bool addDrift = true;   // look for further terms
   bool dropDrift = true;  // try without those that are there
   bool refine = true;     // sizes and time constants of those that are there
-  int rounds = 4;
 };
 
 /// Fits the variances of drift and blocks. Greedy in the terms, by coordinates in sizes and time constants.

@@ -50,7 +50,6 @@ NoiseState fittedBeside(const PosteriorProblem& problem, const ActingSet& set, c
   NoiseFitOptions options;
   options.driftPrice = kTermNats;
   options.smoothPrice = 2.0 * kTermNats;
-  options.rounds = 2;
   NoiseModel from;
   from.drift = start.drift;
   from.variance = start.variance;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -185,6 +186,41 @@ TEST(NoiseFit, WhiteNoiseHasNoDriftAndAWalkHas) {
   }
   EXPECT_LE(drifts, 3);  // at a price of 3 nats one in twenty would be many
   EXPECT_NEAR(white, 1.0, 0.06);
+}
+
+/// Each of three axes remembers from reading to reading and wanders besides: what is left out of these six
+/// terms would have to be a cause.
+TEST(NoiseFit, EveryAxisMayHaveAFastDriftAndASlowOne) {
+  constexpr int kRows = 900;
+  NoiseRows rows;
+  rows.factors = RowMatrix::Zero(kRows, 3);
+  rows.target.resize(kRows);
+  rows.base = RowMatrix::Constant(kRows, 1, 1.0 / std::sqrt(double(kRows)));
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  double fast[3] = {}, slow[3] = {};
+  const auto next = [&](double& value, double tau) {
+    const double stays = std::exp(-1.0 / tau);
+    value = stays * value + std::sqrt(1.0 - stays * stays) * normal(random);
+  };
+  for (int i = 0; i < kRows; ++i) {
+    const int axis = i / 15 % 3;  // stretches along one axis, as of ball after ball
+    for (double& value : fast) next(value, 4.0);
+    for (double& value : slow) next(value, 150.0);
+    rows.time.push_back(i);
+    rows.factors(i, axis) = 1.0;
+    rows.target[i] = 2.0 * fast[axis] + 3.0 * slow[axis] + normal(random);
+  }
+  const NoiseFitResult fit = NoiseFit(rows, {}).run(whiteNoise(kRows), {});
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto has = [&](double from, double to) {
+      return std::any_of(fit.noise.drift.begin(), fit.noise.drift.end(), [&](const DriftTerm& t) {
+        return t.direction == axis && t.tau > from && t.tau < to;
+      });
+    };
+    EXPECT_TRUE(has(1.0, 15.0)) << "the fast one of axis " << axis;
+    EXPECT_TRUE(has(30.0, 900.0)) << "the slow one of axis " << axis;
+  }
 }
 
 }  // namespace
