@@ -62,26 +62,31 @@ LikelyShapes::ListPart LikelyShapes::partOf(const QuestionList& list, std::size_
   return part;
 }
 
-/// What acts is given, as a block of its size; causes that act are not asked.
-std::vector<LikelyShapes::Asked> LikelyShapes::askPart(ListPart& part, const NoiseState& noise,
-                                                       const std::vector<Taken>& beside,
+/// What acts is given, as a block of its size.
+LikelyShapes::Beside LikelyShapes::besideOf(const NoiseState& noise, const std::vector<Taken>& set) const {
+  Beside beside{set, noise, q_.scatter, nullptr};
+  for (const Taken& t : set) {
+    const double size = sizeGrid()[t.size];
+    beside.scatter.push_back({kept_.at(t.group).at(t.shape).columns, size, 0.0, true});
+    beside.noise.scatter.push_back(size);
+  }
+  beside.whitened = whitenedAt(q_.rows, beside.scatter, beside.noise);
+  return beside;
+}
+
+/// Causes that act are not asked.
+std::vector<LikelyShapes::Asked> LikelyShapes::askPart(ListPart& part, const Beside& beside,
                                                        Wanted wanted) const {
   std::vector<Asked> asked;
   if (part.groups.empty()) return asked;
-  NoiseState state = noise;
-  part.problem.scatter = q_.scatter;
-  for (const Taken& t : beside) {
-    const double size = sizeGrid()[t.size];
-    part.problem.scatter.push_back({kept_.at(t.group).at(t.shape).columns, size, 0.0, true});
-    state.scatter.push_back(size);
-  }
-  const auto look = NoiseView(part.problem, state).look({});
+  part.problem.scatter = beside.scatter;
+  const auto look = NoiseView(part.problem, beside.noise, beside.whitened).look({});
   const double most = *std::max_element(look->logOdds.begin(), look->logOdds.end());
   for (std::size_t g = 0; g < part.groups.size(); ++g) {
     const Group& group = part.groups[g];
     const Cause& cause = part.problem.causes[g];
-    if (std::any_of(beside.begin(), beside.end(), [&](const Taken& t) { return t.group == part.first + g; }))
-      continue;
+    const auto isThis = [&](const Taken& t) { return t.group == part.first + g; };
+    if (std::any_of(beside.set.begin(), beside.set.end(), isThis)) continue;
     Eigen::Index best = 0;
     const auto all = look->logWeights.middleRows(cause.first, cause.end - cause.first);
     all.rowwise().maxCoeff().maxCoeff(&best);
@@ -107,8 +112,9 @@ std::vector<LikelyShapes::Asked> LikelyShapes::askPart(ListPart& part, const Noi
   return asked;
 }
 
-std::vector<LikelyShapes::Asked> LikelyShapes::ask(const NoiseState& noise, const std::vector<Taken>& beside,
+std::vector<LikelyShapes::Asked> LikelyShapes::ask(const NoiseState& noise, const std::vector<Taken>& set,
                                                    Wanted wanted) {
+  const Beside beside = besideOf(noise, set);
   std::vector<Asked> asked;
   std::size_t before = 0;
   for (std::size_t l = 0; l < lists_.size(); ++l) {
@@ -116,13 +122,13 @@ std::vector<LikelyShapes::Asked> LikelyShapes::ask(const NoiseState& noise, cons
     std::vector<std::vector<Asked>> ofPart(made_[l].size());
     parallelFor(made_[l].size(), [&](std::size_t p) {
       CancelScope::check();
-      ofPart[p] = askPart(made_[l][p], noise, beside, wanted);
+      ofPart[p] = askPart(made_[l][p], beside, wanted);
     });
     if (made_[l].empty())
       for (std::size_t first = 0, end = 0; first < list.size(); first = end) {
         end = list.endOfPart(first, kShapesTogether);
         ListPart part = partOf(list, before, first, end);
-        ofPart.push_back(askPart(part, noise, beside, wanted));
+        ofPart.push_back(askPart(part, beside, wanted));
       }
     for (std::vector<Asked>& part : ofPart) std::move(part.begin(), part.end(), std::back_inserter(asked));
     before += list.size();

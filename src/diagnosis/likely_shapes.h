@@ -59,10 +59,17 @@ class LikelyShapes {
     std::vector<Group> groups;
     PosteriorProblem problem;
   };
+  /// What acts, and the noise: all parts of the lists are asked beside it.
+  struct Beside {
+    std::vector<Taken> set;
+    NoiseState noise;                  // the set is a block of it, of its size
+    std::vector<RandomBlock> scatter;  // with the set
+    std::shared_ptr<const WhitenedRows> whitened;
+  };
   enum class Wanted { kNearTheLikeliest, kLikelierThanBefore, kOneOfEach };
-  std::vector<Asked> ask(const NoiseState& noise, const std::vector<Taken>& beside, Wanted wanted);
-  std::vector<Asked> askPart(ListPart& part, const NoiseState& noise, const std::vector<Taken>& beside,
-                             Wanted wanted) const;
+  Beside besideOf(const NoiseState& noise, const std::vector<Taken>& set) const;
+  std::vector<Asked> ask(const NoiseState& noise, const std::vector<Taken>& set, Wanted wanted);
+  std::vector<Asked> askPart(ListPart& part, const Beside& beside, Wanted wanted) const;
   void addList(QuestionList list);
   ListPart partOf(const QuestionList& list, std::size_t before, std::size_t first, std::size_t end);
   static const NoiseState& noiseOf(const PosteriorSample& sample);

@@ -28,20 +28,30 @@ double logSumExp(const Eigen::Ref<const Eigen::ArrayXd>& values) {
   return most + std::log((values - most).exp().sum());
 }
 
+std::shared_ptr<const WhitenedRows> whitenedAt(const NoiseRows& rows, const std::vector<RandomBlock>& scatter,
+                                               const NoiseState& state) {
+  return std::make_shared<WhitenedRows>(rows, state.variance, state.drift, scatter, state.scatter);
+}
+
 NoiseView::NoiseView(const PosteriorProblem& problem, NoiseState state,
-                     std::shared_ptr<const PackedColumns> packed)
+                     std::shared_ptr<const WhitenedRows> whitened)
     : problem_(problem),
       state_(std::move(state)),
-      packed_(std::move(packed)),
       logPrior_(state_.logPrior(problem)),
-      whitened_(problem.rows, state_.variance, state_.drift, problem.scatter, state_.scatter),
-      rest_(whitened_.rest() + problem.statedFreedoms),
-      freedoms_(whitened_.freedoms() + problem.statedFreedoms) {}
+      whitened_(std::move(whitened)),
+      rest_(whitened_->rest() + problem.statedFreedoms),
+      freedoms_(whitened_->freedoms() + problem.statedFreedoms) {}
+
+NoiseView::NoiseView(const PosteriorProblem& problem, NoiseState state,
+                     std::shared_ptr<const PackedColumns> packed)
+    : NoiseView(problem, state, whitenedAt(problem.rows, problem.scatter, state)) {
+  packed_ = std::move(packed);
+}
 
 void NoiseView::makeAll() const {
   CancelScope::check();
   const int all = static_cast<int>(problem_.columns.cols());
-  byFixed_.resize(whitened_.fixed().cols(), all);
+  byFixed_.resize(whitened_->fixed().cols(), all);
   allTarget_.resize(all);
   products_.resize(problem_.shapes.size());
   // parts of whole shapes
@@ -60,7 +70,7 @@ void NoiseView::makeAll() const {
     const int first = problem_.shapes[parts[p]].first;
     const CauseShape& last = problem_.shapes[parts[p + 1] - 1];
     const int count = last.first + last.count - first;
-    const WhitenedRows::Columns part = whitened_.prepare(problem_.columns.middleCols(first, count));
+    const WhitenedRows::Columns part = whitened_->prepare(problem_.columns.middleCols(first, count));
     allTarget_.segment(first, count) = part.target;
     for (std::size_t s = parts[p]; s < parts[p + 1]; ++s) {
       const CauseShape& shape = problem_.shapes[s];
@@ -82,7 +92,7 @@ NoiseView::OfShape& NoiseView::keptOf(int shape) const {
   }
   std::call_once(kept->once, [&] {
     const CauseShape& s = problem_.shapes[static_cast<std::size_t>(shape)];
-    kept->columns = whitened_.prepare(problem_.columns.middleCols(s.first, s.count));
+    kept->columns = whitened_->prepare(problem_.columns.middleCols(s.first, s.count));
   });
   return *kept;
 }
@@ -97,7 +107,7 @@ const RowMatrix& NoiseView::crossOf(int shape) const {
     for (int k = 0; k < s.count; ++k) {
       const Eigen::VectorXd column = weighted.col(k).head(rows);
       weighted.col(k).head(rows) =
-          (column - whitened_.whitener().driftIn(column)).cwiseQuotient(state_.variance);
+          (column - whitened_->whitener().driftIn(column)).cwiseQuotient(state_.variance);
     }
     own.cross.resize(s.count, problem_.columns.cols());
     if (packed_)
@@ -139,7 +149,7 @@ double NoiseView::logDensity(const ActingSet& set) const {
     prior += problem_.causes[static_cast<std::size_t>(s.cause)].logPriorOdds + s.logPrior[a.size];
   }
   return prior + logPossible(set, joint) -
-         0.5 * (whitened_.logDeterminant() + joint.factor.logDeterminant()) -
+         0.5 * (whitened_->logDeterminant() + joint.factor.logDeterminant()) -
          0.5 * freedoms_ * std::log(joint.rest);
 }
 

@@ -27,6 +27,9 @@ class NoiseView {
   /// again.
   NoiseView(const PosteriorProblem& problem, NoiseState state,
             std::shared_ptr<const PackedColumns> packed = nullptr);
+  /// Of several problems with the same rows and scatter, at the same state. @param whitened by it
+  /// (whitenedAt).
+  NoiseView(const PosteriorProblem& problem, NoiseState state, std::shared_ptr<const WhitenedRows> whitened);
 
   const NoiseState& state() const { return state_; }  ///< of the noise
   /// Log density of this state and set, data included: prior of the noise, of the causes, their shapes and
@@ -64,7 +67,7 @@ class NoiseView {
   NoiseState state_;
   std::shared_ptr<const PackedColumns> packed_;
   double logPrior_ = 0.0;
-  WhitenedRows whitened_;
+  std::shared_ptr<const WhitenedRows> whitened_;
   double rest_ = 0.0, freedoms_ = 1.0;  // with what the stated noise is worth
   // of all columns of the problem
   mutable std::once_flag onceAll_;
@@ -76,6 +79,10 @@ class NoiseView {
   mutable std::map<std::pair<int, int>, Eigen::MatrixXd> keptProducts_;               // of two shapes
   mutable std::map<ActingSet, std::shared_ptr<const Conditionals>> lately_, before_;  // asked
 };
+
+/// The rows of a problem, whitened by a state of its noise.
+std::shared_ptr<const WhitenedRows> whitenedAt(const NoiseRows& rows, const std::vector<RandomBlock>& scatter,
+                                               const NoiseState& state);
 
 /// log(sum(exp(values)))
 double logSumExp(const Eigen::Ref<const Eigen::ArrayXd>& values);
