@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "base/dense.h"
 #include "base/median.h"
 #include "base/range.h"
 #include "machine/linear_inverse.h"
 #include "session/geometric_start.h"
+#include "session/travel_tracker.h"
 
 namespace mm {
 namespace {
@@ -50,7 +52,6 @@ class TravelMaker {
   }
 
   void make() {
-    if (std::none_of(missing_.begin(), missing_.end(), [](char m) { return m != 0; })) return;
     touches();
     for (int j = 0; j < joints_; ++j)
       if (missing_[j]) runs(j);
@@ -64,10 +65,12 @@ class TravelMaker {
   }
 
  private:
+  static bool isLaser(const Observation& o) { return !std::isnan(o.laserReading); }  // read where it stands
+
   /// Unit motion of the tip into the surface; zero where there was none or it is not known.
   Eigen::Vector3d motionAt(const Observation& o, const GeometricStart& start) const {
     const Feature& feature = session_.artifact.features[o.feature];
-    if (!std::isnan(o.laserReading)) return Eigen::Vector3d::Zero();  // read where it stands
+    if (isLaser(o)) return Eigen::Vector3d::Zero();
     if (o.approach.allFinite() && o.approach.norm() > 0.5) return o.approach.normalized();
     if (feature.kind != FeatureKind::kBall) return Eigen::Vector3d::Zero();
     const Eigen::Vector3d inwards = start.inWorkpiece(o.feature, o.placement) - start.tipOf(session_, o);
@@ -91,21 +94,28 @@ class TravelMaker {
     const auto isTouch = [](const Observation& o) { return o.kind == ObservationKind::kContact; };
     auto& all = session_.observations;
     if (std::none_of(all.begin(), all.end(), isTouch)) return;
-    const GeometricStart start = geometricStart(session_);
+    std::optional<GeometricStart> start;
+    if (std::any_of(missing_.begin(), missing_.end(), [](char m) { return m != 0; }))
+      start = geometricStart(session_);
     std::vector<double> last(joints_, 0.0);
     const Observation* previous = nullptr;
     for (Observation& o : all) {
       if (!isTouch(o)) continue;
-      const Eigen::Vector3d motion = motionAt(o, start);
-      if (motion.isZero(0.0)) {
+      const Eigen::Vector3d motion = start ? motionAt(o, *start) : Eigen::Vector3d::Zero();
+      if (isLaser(o) || (start && motion.isZero(0.0))) {
         previous = nullptr;
         continue;
       }
-      const Eigen::VectorXd speeds = jointSpeeds(o, motion);
+      const Eigen::VectorXd speeds = start ? jointSpeeds(o, motion) : Eigen::VectorXd::Zero(joints_);
       const double hardly = o.approach.allFinite() ? kHardly : kHardlyUnrecorded;
       for (int j = 0; j < joints_; ++j) {
-        if (!missing_[j]) continue;
-        if (std::abs(speeds[j]) >= hardly) {
+        const double known = o.travel[j] != 0.0 ? o.travel[j] : directionOf(o.velocity[j]);
+        if (!missing_[j] && (known != 0.0 || std::isnan(o.velocity[j]))) {
+          if (known != 0.0) last[j] = known;
+          continue;
+        }
+        // one that stands while others approach came there on the way from the touch before
+        if (missing_[j] && std::abs(speeds[j]) >= hardly) {
           o.travel[j] = speeds[j] > 0.0 ? 1.0 : -1.0;
           ++counts_[j].approach;
         } else {

@@ -386,7 +386,7 @@ StatesCsv readStatesCsv(const std::filesystem::path& file, const Machine& machin
   StatesCsv states{Session(machine), std::string(text.lines()[form.headerLine - 1]), {}};
   states.session = TableReader(text, form, machine, artifact, &states).read(progress).session;
   if (states.lines.empty()) throw InputError(file.string() + ": no row below the header");
-  deriveTravel(states.session.observations, machine.jointCount());
+  deriveTravel(states.session.observations, machine.jointCount(), true);
   return states;
 }
 

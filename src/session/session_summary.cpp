@@ -120,7 +120,7 @@ std::string assumedText(const Session& session) {
   }
   std::string text;
   for (const auto& [how, joints] : ways)
-    text += (text.empty() ? "assumed, as no velocity was recorded: direction of travel" : "") +
+    text += (text.empty() ? "assumed, where no motion was recorded: direction of travel" : "") +
             ("\n  " + how) + " (" + joints + ")";
   if (!text.empty()) text += " of the observations";
   const auto& all = session.observations;

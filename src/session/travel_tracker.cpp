@@ -27,7 +27,7 @@ double directionOf(double velocity) {
 
 double travelDeadband(JointKind kind) { return kind == JointKind::kLinear ? kDeadband : kRotaryDeadband; }
 
-void deriveTravel(std::vector<Observation>& observations, int joints) {
+void deriveTravel(std::vector<Observation>& observations, int joints, bool byTheWay) {
   std::vector<std::size_t> order(observations.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   const auto earlier = [&](std::size_t a, std::size_t b) {
@@ -36,17 +36,20 @@ void deriveTravel(std::vector<Observation>& observations, int joints) {
   if (!std::is_sorted(order.begin(), order.end(), earlier))
     std::stable_sort(order.begin(), order.end(), earlier);
   std::vector<double> last(joints, 0.0);
+  const Observation* before = nullptr;
   for (const std::size_t i : order) {
     Observation& o = observations[i];
     o.travel.resize(joints, 0.0);
     for (int j = 0; j < joints; ++j) {
-      const double v = o.velocity[j];
+      const double v = o.velocity[j], way = before != nullptr ? o.position[j] - before->position[j] : 0.0;
+      if (std::abs(way) > kDeadband) last[j] = byTheWay ? std::copysign(1.0, way) : 0.0;
       if (directionOf(v) != 0.0)
         o.travel[j] = directionOf(v);
       else if (!std::isnan(v) && o.travel[j] == 0.0)
         o.travel[j] = last[j];
       if (o.travel[j] != 0.0) last[j] = o.travel[j];
     }
+    before = &o;
   }
 }
 

@@ -18,8 +18,9 @@ double travelDeadband(JointKind kind);
 
 /// Fills `travel` of each observation in the order of time: the sign of the velocity; at standstill what the
 /// reader already put there, else the direction of that joint's last motion in earlier rows; 0 where never
-/// known.
-void deriveTravel(std::vector<Observation>& observations, int joints);
+/// known. @param byTheWay a joint that was elsewhere in the row before came straight from there; else it is
+/// not known how it came.
+void deriveTravel(std::vector<Observation>& observations, int joints, bool byTheWay = false);
 
 /// Direction of travel of one joint, from its readings as they come. It is that of the motion, never of the
 /// sign of a velocity alone: a reversal counts when the joint has come back from its farthest reading by more

@@ -83,12 +83,12 @@ TEST_F(Inputs, ASimulatedPlateWithoutVelocitiesShowsItsPlay) {
   EXPECT_EQ(answer.json()["assumed"], set["assumed"]);
   EXPECT_LT(answer.json()["chi2_per_dof"].get<double>(), 1.3);
   EXPECT_THAT(calibrate("{type: backlash, axis: x}", "s.bag", "").out,
-              HasSubstr("assumed, as no velocity was recorded: direction of travel\n  from the approach of "
+              HasSubstr("assumed, where no motion was recorded: direction of travel\n  from the approach of "
                         "the contact (x in "));
 }
 
 TEST_F(Inputs, AnImportedPlateWithoutVelocitiesShowsItsPlay) {
-  EXPECT_THAT(import(test::plateRows(3e-3), false), HasSubstr("assumed, as no velocity was recorded"));
+  EXPECT_THAT(import(test::plateRows(3e-3), false), HasSubstr("assumed, where no motion was recorded"));
   double std = 0.0;
   const std::string effects = "{type: backlash, axis: x}, {type: scale, axis: x}";
   EXPECT_NEAR(gapOf(calibrate(effects).json(), std), 3.0, 0.15);

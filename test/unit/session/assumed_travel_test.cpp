@@ -133,6 +133,19 @@ TEST_F(AssumedTravel, OfATouchIsIntoTheSurface) {
   EXPECT_NEAR(assumed.assumed[0].share + assumed.assumed[1].share, 1.0, 0.01);
 }
 
+/// A touch by one axis: the others came to their places on the way there, whatever they did at touches
+/// before.
+TEST_F(AssumedTravel, OfAnAxisThatStandsAtATouchIsThatOfItsWay) {
+  const Session s = read(
+      "time_s,x_mm,x_velocity_mm_s,y_mm,y_velocity_mm_s,z_mm,z_velocity_mm_s,feature\n"
+      "0,-4,3,-8,0,3,0,b1\n5,2,0,-12,3,3,0,b1\n9,-3,0,-12,3,3,0,b1\n12,-3,0,-5,-3,3,0,b1\n");
+  EXPECT_EQ(travel(s, s.machine.findJoint("x")), (std::vector<double>{1, 1, -1, -1}));
+  ASSERT_EQ(s.assumed.size(), 1u);
+  EXPECT_EQ(s.assumed[0].joint, "x");
+  EXPECT_EQ(s.assumed[0].how, "from the order of positions");
+  EXPECT_DOUBLE_EQ(s.assumed[0].share, 0.75);
+}
+
 /// Where the approach was recorded, it counts, not the normal of the ball; rotary joints stand still in it.
 TEST_F(AssumedTravel, OfATouchFollowsARecordedApproach) {
   Session s = read("time_s,x_mm,y_mm,z_mm,b_deg,feature\n0,0,-8,3,0,b1\n5,1,-8,3,30,b1\n", "five_axis");
