@@ -227,6 +227,12 @@ std::string unknownSentence(const Diagnosis& d) {
                                           : " Add them as profiles, or look for their causes.");
 }
 
+std::string doubtOfOdds(const Diagnosis& d) {
+  if (!(d.chainsDiffer > 0.0) || (d.missing.empty() && d.profiles.empty() && d.possible.empty())) return {};
+  return " Two searches differ by up to " + shortNumber(std::ceil(100.0 * d.chainsDiffer) / 100.0) +
+         " in a probability: these odds are known no better.";
+}
+
 }  // namespace
 
 std::string capitalized(std::string text) {
@@ -263,14 +269,15 @@ std::string sentenceOf(const Diagnosis& d) {
       return text + " Correct the session's file, or the mapping of its columns, then diagnose again.";
     }
     case Verdict::kUnknownEffect:
-      return unknownSentence(d) + remarks(d);
+      return unknownSentence(d) + remarks(d) + doubtOfOdds(d);
     case Verdict::kConfusable:
     case Verdict::kMissingEffect:
-      return missingSentence(d) + remarks(d);
+      return missingSentence(d) + remarks(d) + doubtOfOdds(d);
     case Verdict::kScatter:
-      return scatterSentence(d) + variationSentence(d) + possibleSentence(d) + driftSentence(d);
+      return scatterSentence(d) + variationSentence(d) + possibleSentence(d) + doubtOfOdds(d) +
+             driftSentence(d);
     case Verdict::kExplained:
-      return explainedSentence(d) + possibleSentence(d) + driftSentence(d);
+      return explainedSentence(d) + possibleSentence(d) + doubtOfOdds(d) + driftSentence(d);
     default:
       return "The model cannot be fitted to this session: measure more, or take effects out of the model.";
   }

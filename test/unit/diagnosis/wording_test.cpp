@@ -347,6 +347,22 @@ TEST(Sentence, DoesNotSayThatNothingIsMissingWhereACauseCannotBeExcluded) {
     }
 }
 
+TEST(Sentence, OddsAreKnownNoBetterThanTheSearchesAgree) {
+  const std::string doubt =
+      " Two searches differ by up to 0.17 in a probability: these odds are known no better.";
+  for (const Verdict what :
+       {Verdict::kMissingEffect, Verdict::kUnknownEffect, Verdict::kExplained, Verdict::kScatter}) {
+    Diagnosis d = verdict(what);
+    d.chainsDiffer = 0.162;
+    EXPECT_EQ(sentenceOf(d).find(doubt), std::string::npos) << "no odds are told";
+    (what == Verdict::kMissingEffect ? d.missing : d.candidates) = {play()};
+    d.possible = {{growth("z"), 0.2, "Other temperatures."}};
+    EXPECT_NE(sentenceOf(d).find(doubt), std::string::npos) << sentenceOf(d);
+    d.chainsDiffer = 0.0;
+    EXPECT_EQ(sentenceOf(d).find("Two searches"), std::string::npos);
+  }
+}
+
 TEST(Sentence, WhatIsFoundBesideACurveHasItsRivals) {
   Diagnosis d = verdict(Verdict::kUnknownEffect);
   d.profiles = {bump()};
