@@ -22,6 +22,23 @@ void refitBesideParts(Look& look) {
   look.found.members.resize(named);
 }
 
+/// A group is doubted. @return whether something else is named in its place: then that is found, all anew.
+bool doubt(Look& look, int group, double probability) {
+  if (!look.posterior.doubt(group, probability)) return false;
+  const Questions& q = look.questions;
+  findNamed(q, problemOf(q, q.groups, statedFreedomsOf(*look.fitted)), look.posterior);
+  look.found = look.posterior.found;
+  return true;
+}
+
+/// The same of a member of what was found.
+void doubtMember(Look& look, std::size_t member, double probability) {
+  std::vector<Member>& members = look.found.members;
+  if (doubt(look, members[member].group, probability)) return;
+  members.erase(members.begin() + static_cast<long>(member));
+  refitBesideParts(look);
+}
+
 }  // namespace
 
 void dropWhatPredictsNothing(Look& look) {
@@ -41,23 +58,22 @@ void dropWhatPredictsNothing(Look& look) {
       if (of < worth) worth = of, least = j;
     }
     if (worth > kPredicts) break;
-    std::vector<Member>& members = look.found.members;
-    look.posterior.doubt(members[least].group, 0.5 * std::erfc(-worth / std::sqrt(2.0)));
-    members.erase(members.begin() + static_cast<long>(least));
-    refitBesideParts(look);
+    doubtMember(look, least, 0.5 * std::erfc(-worth / std::sqrt(2.0)));
   }
   // what is likely and not sure enough to be named may rest on one reading just as well
   const HeldOut held(ofRows, look.found);
   const auto evidence = search.evidenceAt(look.found);
   const std::vector<Member> beside = whole().members;
-  for (const Slot& slot : look.posterior.slots) {
+  const std::vector<Slot> slots = look.posterior.slots;
+  for (const Slot& slot : slots) {
     const bool comesWithOne = std::any_of(beside.begin(), beside.end(),
                                           [&](const Member& m) { return m.group == slot.causes.front(); });
     if (slot.named || slot.shares.front() < kLikely || comesWithOne) continue;
     const Gain gain = evidence->gainOf(evidence->given(beside), slot.causes.front());
     if (gain.group < 0) continue;
     const double worth = held.worthOf(search.memberOf(gain), beside);
-    look.posterior.doubt(gain.group, 0.5 * std::erfc(-worth / std::sqrt(2.0)));
+    if (doubt(look, gain.group, 0.5 * std::erfc(-worth / std::sqrt(2.0))))
+      return dropWhatPredictsNothing(look);
   }
 }
 
@@ -83,9 +99,7 @@ bool dropWhatHasNoSize(Look& look, const Diagnosis& diagnosis) {
   const auto least = std::min_element(largest.begin(), largest.end());
   if (least == largest.end() || !(*least < 1.0)) return false;
   const auto j = least - largest.begin();
-  look.posterior.doubt(look.found.members[static_cast<std::size_t>(j)].group, kNoSize);
-  look.found.members.erase(look.found.members.begin() + j);
-  refitBesideParts(look);
+  doubtMember(look, static_cast<std::size_t>(j), kNoSize);
   return true;
 }
 

@@ -187,14 +187,7 @@ ActingSet partsOfNamed(const PosteriorProblem& problem, const PosteriorAnswer& a
 
 }  // namespace
 
-PosteriorAnswer answerOf(const Questions& q, const PosteriorProblem& problem, PosteriorSample sample) {
-  PosteriorAnswer out;
-  out.sample = std::move(sample);
-  out.slots = slotsOf(out.sample);
-  for (std::size_t c = 0; c < problem.causes.size(); ++c) {
-    const Acting a = shapeOf(out.sample, problem, static_cast<int>(c));
-    out.likeliest.push_back(a.shape < 0 ? -1 : a.shape - problem.causes[c].first);
-  }
+void findNamed(const Questions& q, const PosteriorProblem& problem, PosteriorAnswer& out) {
   ActingSet named;
   for (const Slot& slot : out.slots) {
     const Acting a = slot.named ? shapeOf(out.sample, problem, slot.causes.front()) : Acting{-1, 0};
@@ -204,19 +197,31 @@ PosteriorAnswer answerOf(const Questions& q, const PosteriorProblem& problem, Po
   const ActingSet parts = partsOfNamed(problem, out);
   named.insert(named.end(), parts.begin(), parts.end());
   // the noise beside what is named, and what comes with it: what else may act has to be told as noise
-  const auto densest = [&](const std::shared_ptr<const NoiseView>& a,
-                           const std::shared_ptr<const NoiseView>& b) {
-    return a->logDensity(named) < b->logDensity(named);
-  };
-  const NoiseState& noise =
-      (*std::max_element(out.sample.pool.begin(), out.sample.pool.end(), densest))->state();
-  out.found = explanationOf(q, problem, named, noise, &out.curveNames);
+  const NoiseState* densest = nullptr;
+  double most = 0.0;
+  for (const auto& view : out.sample.pool) {  // made again: that of the sample may have outlived its problem
+    const double density = NoiseView(problem, view->state()).logDensity(named);
+    if (densest == nullptr || density > most) densest = &view->state(), most = density;
+  }
+  out.curveNames.clear();
+  out.found = explanationOf(q, problem, named, *densest, &out.curveNames);
   std::vector<Member>& members = out.found.members;
   const auto part = members.begin() + firstPart, end = part + static_cast<long>(parts.size());
   out.parts.assign(part, end);
   members.erase(part, end);
   for (CurveName& name : out.curveNames)
     name.probability *= out.sample.inclusion[static_cast<std::size_t>(name.curve)];
+}
+
+PosteriorAnswer answerOf(const Questions& q, const PosteriorProblem& problem, PosteriorSample sample) {
+  PosteriorAnswer out;
+  out.sample = std::move(sample);
+  out.slots = slotsOf(out.sample);
+  for (std::size_t c = 0; c < problem.causes.size(); ++c) {
+    const Acting a = shapeOf(out.sample, problem, static_cast<int>(c));
+    out.likeliest.push_back(a.shape < 0 ? -1 : a.shape - problem.causes[c].first);
+  }
+  findNamed(q, problem, out);
   return out;
 }
 
@@ -232,10 +237,18 @@ Explanation withParts(const Questions& q, const PosteriorAnswer& answer, Explana
   return found;
 }
 
-void PosteriorAnswer::doubt(int group, double probability) {
-  for (Slot& slot : slots)
-    if (slot.named && slot.causes.front() == group) slot.named = false;
+bool PosteriorAnswer::doubt(int group, double probability) {
+  std::set<int> before, after;
+  const auto leadersOf = [this](std::set<int>& named) {
+    for (const Slot& slot : slots)
+      if (slot.named) named.insert(slot.causes.front());
+  };
+  leadersOf(before);
+  doubted.insert(group);
   sample.inclusion[static_cast<std::size_t>(group)] *= probability;
+  slots = slotsOf(sample, doubted);
+  leadersOf(after);
+  return !std::includes(before.begin(), before.end(), after.begin(), after.end());
 }
 
 EffectSpec specOf(const Questions& q, const PosteriorAnswer& answer, int cause) {

@@ -1,4 +1,7 @@
 #pragma once
+#include <set>
+#include <vector>
+
 #include "diagnosis/diagnose.h"
 #include "diagnosis/search.h"
 #include "posterior/slots.h"
@@ -24,9 +27,12 @@ struct PosteriorAnswer {
   std::vector<Member> parts = {};
   std::vector<CurveName> curveNames = {};
 
-  /// A cause that does not clearly predict is not named; it acts where it predicts anything, too.
-  /// @param probability that it does.
-  void doubt(int group, double probability);
+  std::set<int> doubted = {};  // groups
+
+  /// A cause that does not clearly predict is not named; it acts where it predicts anything, too. What was
+  /// its rival may be another's. @param probability that it does. @return whether the slots name what they
+  /// did not: `findNamed` has to be asked again.
+  bool doubt(int group, double probability);
 };
 
 /// Log prior odds that a cause acts in a session.
@@ -36,6 +42,8 @@ double logPriorOddsOf(const Questions& questions, const Group& group);
 PosteriorProblem problemOf(const Questions& questions, const Groups& groups, double statedFreedoms);
 /// What a sample of the questions says. @param problem of them.
 PosteriorAnswer answerOf(const Questions& questions, const PosteriorProblem& problem, PosteriorSample sample);
+/// What the slots of an answer name, and the noise beside it. @param problem of the questions.
+void findNamed(const Questions& questions, const PosteriorProblem& problem, PosteriorAnswer& answer);
 /// What was found, and behind its members the parts that come with any of them: noise, sizes and predictions
 /// are those beside these.
 Explanation withParts(const Questions& questions, const PosteriorAnswer& answer, Explanation found);

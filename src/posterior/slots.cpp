@@ -45,13 +45,14 @@ double noneBeside(int cause, const std::vector<double>& none, const PosteriorSam
 
 }  // namespace
 
-std::vector<Slot> slotsOf(const PosteriorSample& sample) {
+std::vector<Slot> slotsOf(const PosteriorSample& sample, const std::set<int>& doubted) {
   const int causes = static_cast<int>(sample.inclusion.size());
   std::vector<int> order(static_cast<std::size_t>(causes));
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return sample.inclusion[a] > sample.inclusion[b]; });
   std::vector<char> used(order.size(), 0);
+  for (const int cause : doubted) used[static_cast<std::size_t>(cause)] = 1;
   std::vector<Slot> slots;
   const std::size_t n = sample.visits.size();
   for (const int leader : order) {

@@ -1,4 +1,5 @@
 #pragma once
+#include <set>
 #include <vector>
 
 #include "posterior/sample.h"
@@ -25,8 +26,8 @@ constexpr double kOfThisWorld = 0.95;
 
 /// Which causes are named (the verdict that follows is diagnosis/verdict.h). The likeliest cause that is not
 /// used gets rivals, each the one that acts in most of what is left, until one of them is sure to act; where
-/// that is not reached its causes may act.
-std::vector<Slot> slotsOf(const PosteriorSample& sample);
+/// that is not reached its causes may act. @param doubted causes that get no slot and are nobody's rival.
+std::vector<Slot> slotsOf(const PosteriorSample& sample, const std::set<int>& doubted = {});
 
 /// The shape of a cause that has most of its probability, and its size there. @return shape -1: it was never
 /// visited.

@@ -68,6 +68,23 @@ TEST(Slots, WhatIsSureBesideOneThatIsNamedIsNamedWithItsOwnProbability) {
   EXPECT_FALSE(slots[2].named);
 }
 
+// A scale beside a play or beside a carriage that tips, or a lost motion alone that does what both do: one of
+// the last three acts, which is seen where the scale, that predicts nothing, does not hold the lost motion.
+TEST(Slots, TheRivalOfOneThatIsDoubtedIsAnothers) {
+  const PosteriorSample sample = sampleOf({{1.0, 1.0, 0.0, 0.0},
+                                           {1.0, 1.0, 0.0, 0.0},
+                                           {1.0, 0.0, 1.0, 0.0},
+                                           {0.0, 0.0, 0.0, 1.0},
+                                           {0.0, 0.0, 0.0, 1.0}});
+  const std::vector<Slot> before = slotsOf(sample), after = slotsOf(sample, {0});
+  ASSERT_GE(before.size(), 2u);
+  EXPECT_EQ(before[0].causes, (std::vector<int>{0, 3}));
+  EXPECT_FALSE(before[1].named);
+  ASSERT_FALSE(after.empty());
+  EXPECT_TRUE(after[0].named);
+  EXPECT_EQ(after[0].causes, (std::vector<int>{1, 3, 2}));
+}
+
 TEST(Slots, WhatActsBesideTheLeaderAsOftenAsWithoutItIsNoRival) {
   const std::vector<Slot> slots =
       slotsOf(sampleOf({{1.0, 1.0}, {1.0, 1.0}, {1.0, 1.0}, {1.0, 0.0}, {0.0, 1.0}, {0.0, 1.0}}));
