@@ -53,8 +53,7 @@ class TravelMaker {
 
   void make() {
     touches();
-    for (int j = 0; j < joints_; ++j)
-      if (missing_[j]) runs(j);
+    for (int j = 0; j < joints_; ++j) runs(j);
     for (int j = 0; j < joints_; ++j)
       for (const auto& [how, count] :
            {std::pair(kFromApproach, counts_[j].approach), std::pair(kFromOrder, counts_[j].order)})
@@ -196,7 +195,9 @@ class TravelMaker {
     return returns > 0;
   }
 
+  /// What is known stays; of one reading a velocity that was lost may not be zero.
   void give(Observation& o, int j, double travel) {
+    if (!missing_[j] && (o.travel[j] != 0.0 || std::isnan(o.velocity[j]))) return;
     o.travel[j] = travel;
     if (travel != 0.0) ++counts_[j].order;
   }
@@ -207,10 +208,13 @@ class TravelMaker {
     const Observation* previous = nullptr;
     double last = 0.0;
     for (Observation& o : session_.observations) {
-      if (o.kind == ObservationKind::kContact) continue;
       if (previous != nullptr && std::abs(o.position[j] - previous->position[j]) > tolerance_[j])
         last = o.position[j] > previous->position[j] ? 1.0 : -1.0;
       previous = &o;
+      if (o.kind == ObservationKind::kContact) {
+        if (o.travel[j] != 0.0) last = o.travel[j];
+        continue;
+      }
       auto& run = all[{o.setup, runOf(o)}];
       if (run.empty()) moved[&o] = last;
       run.push_back(&o);

@@ -7,7 +7,7 @@ namespace mm {
 constexpr double kSameTarget = 20e-6;  // m or rad
 
 /// Gives joints whose velocity was recorded nowhere in the session a direction of travel, and those that
-/// stand at a touch though they were elsewhere at the one before, and says so in `Session::assumed`. For
+/// stand at a reading though they were elsewhere at the one before, and says so in `Session::assumed`. For
 /// recorded sessions only: a live one tells its motion, or does not know it.
 ///
 /// At a touch: the tip moves along the approach into the surface (where it was not recorded: square to the

@@ -29,7 +29,7 @@ class DemoEnds(unittest.TestCase):
 
     def test_ctrl_c(self):
         folder, demo, output = self.start("time_factor:=8", "rate:=20")
-        self.assertTrue(output.says("move 20 of ", 60), str(output))
+        self.assertTrue(output.says("move 100 of ", 120), str(output))
         support.stop(demo)
         self.assertTrue(output.ends(40), str(output))
         self.assertIn("demo: stopped", str(output))

@@ -106,7 +106,7 @@ TEST_F(BagSession, GivesTheSameSessionAsItsCsvToTheBit) {
   EXPECT_EQ(bag.temperatures.at(0).time.front(), 0.0);
   EXPECT_EQ(bag.temperatures.at(0).value.front(), 19.7);
   EXPECT_EQ(bag.covariates.at(0).unit, "percent");
-  EXPECT_EQ(bag.observations[4].travel[0], -1.0) << "at standstill it is that of the last motion";
+  EXPECT_EQ(bag.observations[4].travel[0], 1.0) << "at standstill it is that of the way there";
   EXPECT_FALSE(bag.artifact.poseKnown);
   EXPECT_EQ(bag.machine.name(), "three_axis");
   EXPECT_EQ(bag.warning, "");
