@@ -318,7 +318,7 @@ NoiseFitResult NoiseFit::run(const NoiseModel& start, const NoiseFitOptions& opt
     if (options.refine) refineTerms(round, options, best);
     NoiseFitResult refitted = fittedRatios(best.noise, best.ratios, options);
     if (refitted.logEvidence > best.logEvidence) best = std::move(refitted);
-    if (best.logEvidence - before < kEnough) break;
+    if (!(best.logEvidence - before >= kEnough)) break;  // nor where it is no number
   }
   best.whiteStd = best.white / std::sqrt(2.0 * best.freedoms);
   return best;

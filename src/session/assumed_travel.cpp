@@ -195,7 +195,7 @@ class TravelMaker {
     return returns > 0;
   }
 
-  /// What is known stays; of one reading a velocity that was lost may not be zero.
+  /// What is known stays; a velocity that was lost at one reading does not say that the joint stood.
   void give(Observation& o, int j, double travel) {
     if (!missing_[j] && (o.travel[j] != 0.0 || std::isnan(o.velocity[j]))) return;
     o.travel[j] = travel;

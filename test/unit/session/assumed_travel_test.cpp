@@ -146,6 +146,14 @@ TEST_F(AssumedTravel, OfAnAxisThatStandsAtATouchIsThatOfItsWay) {
   EXPECT_DOUBLE_EQ(s.assumed[0].share, 0.75);
 }
 
+/// The same at readings of an instrument, of which one alone was read in motion.
+TEST_F(AssumedTravel, OfAnAxisThatStandsAtAnInstrumentIsThatOfItsWay) {
+  const Session s = read("time_s,x_mm,x_velocity_mm_s,deviation_x_um\n0,0,3,1\n1,5,0,1\n2,2,0,1\n3,2,0,1\n");
+  EXPECT_EQ(travel(s, 0), (std::vector<double>{1, 1, -1, -1}));
+  ASSERT_EQ(s.assumed.size(), 1u);
+  EXPECT_DOUBLE_EQ(s.assumed[0].share, 0.75);
+}
+
 /// Where the approach was recorded, it counts, not the normal of the ball; rotary joints stand still in it.
 TEST_F(AssumedTravel, OfATouchFollowsARecordedApproach) {
   Session s = read("time_s,x_mm,y_mm,z_mm,b_deg,feature\n0,0,-8,3,0,b1\n5,1,-8,3,30,b1\n", "five_axis");
