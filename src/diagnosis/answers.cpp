@@ -156,7 +156,6 @@ void fillAnswers(const Search& search, const Explanation& found, const HeldOut& 
                  Diagnosis& out) {
   const Questions& q = search.questions();
   const auto evidence = search.evidenceAt(found);
-  const Evidence::Fit fit = evidence->fit(found.members);
   const std::vector<Answer> answers = answersOf(search, found);
   double before = held.before() * unit;
   for (std::size_t j = 0; j < found.members.size(); ++j) {
@@ -167,6 +166,10 @@ void fillAnswers(const Search& search, const Explanation& found, const HeldOut& 
     const Gain own = evidence->gainOf(given, *m.columns);
     const double gain =
         own.value - group.shapes[m.shape].price - group.shapes[m.shape].priceOfSize(own.coefficient);
+    std::vector<Member> alone = others;  // its size is that of the same fit
+    alone.push_back(m);
+    Search::takeSize(alone.back(), own);
+    const Eigen::VectorXd values = evidence->fit(alone).values.back();
     const double after = (j + 1 == found.members.size() ? held.all() : held.with(j + 1)) * unit;
     const double odds = weightOf(q, gain) / (1.0 + weightOf(q, gain));
     bool first = true;
@@ -192,7 +195,7 @@ void fillAnswers(const Search& search, const Explanation& found, const HeldOut& 
       r.pValue = std::min(1.0, q.asked * std::exp(-std::min(kMostNats, gain)));
       r.heldOutBefore = first ? before : after;
       r.heldOutAfter = after;
-      r.size = projectedRms(*q.space, *m.columns, fit.values[j]) * unit;
+      r.size = projectedRms(*q.space, *m.columns, values) * unit;
       r.cause = a.effect->cause();
       r.remedy = a.effect->remedy();
       for (int k = 0; k < a.effect->parameterCount(); ++k) {

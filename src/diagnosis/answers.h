@@ -42,8 +42,10 @@ double projectedRms(const ResidualSpace& space, const RowMatrix& columns, const 
 void sortByGain(const Search& search, Explanation& found);
 void fillAnswers(const Search& search, const Explanation& found, const HeldOut& held, double unit,
                  Diagnosis& out);
+/// Values and uncertainties by the fit of everything. @param first of the effects' parameters in its x.
+/// @param undetermined for each effect: its size stays as it was found, without an uncertainty.
 void takeParameters(const CalibrationResult& full, int first, const std::vector<EffectPtr>& effects,
-                    Diagnosis& out);
+                    const std::vector<char>& undetermined, Diagnosis& out);
 /// Of which members that fit has made what the session cannot tell from a smooth profile
 /// (Effect::mayBeClaimed): a wave that became longer than the travel, or has its nodes at the places of the
 /// session, or is a small difference of large parts.

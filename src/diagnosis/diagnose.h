@@ -103,12 +103,13 @@ constexpr const char* kRunsOf = "runs of ";
 constexpr const char* kPassesOf = "passes of ";  // a run in one direction
 constexpr const char* kStopsOf = "stops of ";
 constexpr const char* kScaleOf = "scale of ";
+/// What displaces an artifact of known pose as a whole.
+constexpr const char* kDatum = "datum";
 
 /// Scatter that belongs to places: deviations of the artifact's balls from the file in position, radius or
 /// form; of an axis from position to position, the same in each run; or from run to run, or stop to stop.
 struct ArtifactScatter {
-  std::string
-      what;  // "centres", "radii", "form", "positions of x", "runs of x" …; "datum": the whole artifact
+  std::string what;      // "centres", "radii", "form", "positions of x", "runs of x" …, kDatum
   double std = 0.0;      // m (rad)
   bool angular = false;  // `std` is rad
   std::string inWords;

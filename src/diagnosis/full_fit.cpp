@@ -31,6 +31,7 @@ FullFit::Start FullFit::startOf(const Look& look, const Explanation& found) cons
     start.found.push_back(a.effect);
     append(start.x, a.start);
   }
+  start.undetermined.assign(start.found.size(), 0);
   return start;
 }
 
@@ -69,7 +70,8 @@ CalibrationResult FullFit::fit(const Look& look, const CalibrationResult& fitted
 }
 
 /// A period or a time constant that runs off in the fit of everything is one that the session does not
-/// determine: it is stated as it was found. @return whether any did.
+/// determine: it is stated as it was found, where an effect of the catalogue has it as a key.
+/// @return whether any is held.
 bool FullFit::holdWhatRanOff(const Look& look, const Explanation& found, const CalibrationResult& full,
                              Start& start, Diagnosis& out) const {
   const std::vector<Answer> answers = answersOf(Search(look.questions), found);
@@ -82,6 +84,7 @@ bool FullFit::holdWhatRanOff(const Look& look, const Explanation& found, const C
     const std::vector<double>& nonlinear = found.members[static_cast<std::size_t>(a.member)].nonlinear;
     const EffectSpec held = a.effect->shapedAs(nonlinear);
     if (!ranOff[static_cast<std::size_t>(a.member)] || held == a.effect->spec()) {
+      start.undetermined[k] = ranOff[static_cast<std::size_t>(a.member)];
       append(from, a.start);
       continue;
     }
@@ -103,24 +106,26 @@ void FullFit::takeSizes(const Look& look, const Explanation& found, const Calibr
   try {
     CalibrationResult full = fit(look, fitted, start.found, start.x);
     if (holdWhatRanOff(look, found, full, start, out)) full = fit(look, fitted, start.found, start.x);
-    takeParameters(full, first, start.found, out);
+    takeParameters(full, first, start.found, start.undetermined, out);
     const Search search(look.questions);
     const std::vector<char> curves = curvesForTheRest(search, found);
     if (std::count(curves.begin(), curves.end(), 1) == 0) return;
     // the size of a cause with a curve for its rest is that without the curve
     const std::vector<Answer> answers = answersOf(search, found);
     std::vector<EffectPtr> others;
+    std::vector<char> undetermined;
     Eigen::VectorXd startOfOthers = start.x.head(first);
     int at = first;
     for (std::size_t k = 0; k < start.found.size(); ++k) {
       const int count = start.found[k]->parameterCount();
       if (!curves[static_cast<std::size_t>(answers[k].member)]) {
         others.push_back(start.found[k]);
+        undetermined.push_back(start.undetermined[k]);
         append(startOfOthers, start.x.segment(at, count));
       }
       at += count;
     }
-    takeParameters(fit(look, fitted, others, startOfOthers), first, others, out);
+    takeParameters(fit(look, fitted, others, startOfOthers), first, others, undetermined, out);
   } catch (const NumericalError&) {
     // what the linearised fit says stands
   }

@@ -200,6 +200,22 @@ std::string driftSentence(const Diagnosis& d) {
   return text.empty() ? text : text + ".";
 }
 
+std::string remainderSentence(const Diagnosis& d) {
+  constexpr double kMost = 3.0;  // times the noise: nine tenths of the mean square are something else
+  if (!positive(d.heldOut) || !positive(d.noise) || d.heldOut < kMost * d.noise) return {};
+  std::vector<std::string> known;
+  for (const DriftResult& drift : d.drift) known.push_back(driftInWords(d, drift));
+  for (const ArtifactScatter& of : d.artifactScatter)
+    if (of.what == "form")
+      known.push_back("the form of the balls scatters by " + sizeOfScatter(of));
+    else if (of.what != kDatum)
+      known.push_back((jointOf(of).empty() ? "the balls' " : "") + of.what + " scatter by " +
+                      sizeOfScatter(of));
+  std::string text = " What remains is " + shortNumber(d.heldOut / d.noise) + " times the noise: ";
+  for (const std::string& one : known) text += (&one == &known.front() ? "" : "; ") + one;
+  return text + (known.empty() ? "its cause is not known." : ".");
+}
+
 std::string driftInWords(const Diagnosis& d, const DriftResult& drift) {
   if (drift.quick) return scatterInWords(d, drift);
   std::string text = driftingQuantity(drift) + " drifts by " +

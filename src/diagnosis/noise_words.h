@@ -15,6 +15,9 @@ std::string explainedSentence(const Diagnosis& diagnosis);
 std::string variationSentence(const Diagnosis& diagnosis);
 /// " Backlash of x (odds 3 to 1) cannot be excluded. …", of causes that are not named; else empty.
 std::string possibleSentence(const Diagnosis& diagnosis);
+/// " What remains is 7.6 times the noise: x drifts by …", where causes are named and most of the error is
+/// none of them; else empty.
+std::string remainderSentence(const Diagnosis& diagnosis);
 /// " Drift: …", of all that is not told by another sentence; else empty.
 std::string driftSentence(const Diagnosis& diagnosis);
 

@@ -7,6 +7,7 @@
 #include "base/dense.h"
 #include "base/range.h"
 #include "base/units.h"
+#include "diagnosis/diagnose.h"
 #include "diagnosis/model_shapes.h"
 #include "diagnosis/search.h"
 #include "diagnosis/shape_maker.h"

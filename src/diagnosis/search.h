@@ -67,6 +67,8 @@ class Search {
   /// well.
   double whiteStdOf(const Explanation& found) const;
   Member memberOf(const Gain& gain) const;
+  /// The size that a member has beside others.
+  static void takeSize(Member& member, const Gain& gain);
   /// The other members, without the curves of which this one, which has a name, does most: beside them it
   /// would seem to do nothing.
   std::vector<Member> beside(const Evidence& evidence, const std::vector<Member>& members,
@@ -79,8 +81,6 @@ class Search {
   const Questions& questions() const { return q_; }
 
  private:
-  /// The size that a member has beside others.
-  static void takeSize(Member& member, const Gain& gain);
   /// What scatters and the members, as the noise is fitted beside them. @param ofBlock filled with what
   /// scatters, a block; those of the members follow.
   std::vector<RandomBlock> blocksOf(const std::vector<Member>& members, const std::vector<double>& scatter,
@@ -94,9 +94,6 @@ class Search {
   const Questions& q_;
   mutable std::vector<Known> known_;  // the last few: the same noise is asked again and again
 };
-
-/// Name of what displaces an artifact of known pose as a whole.
-constexpr const char* kDatum = "datum";
 
 /// The scatter that a session of balls always has, and what the effects of the model leave of their shape.
 void addScatter(Questions& questions);

@@ -51,11 +51,17 @@ std::optional<NamedValue> sizeOf(const Questions& q, const Member& m, const Eige
 }  // namespace
 
 void takeParameters(const CalibrationResult& full, int first, const std::vector<EffectPtr>& effects,
-                    Diagnosis& out) {
+                    const std::vector<char>& undetermined, Diagnosis& out) {
   int at = first;
-  for (const EffectPtr& effect : effects) {
+  for (std::size_t e = 0; e < effects.size(); ++e) {
+    const EffectPtr& effect = effects[e];
     const auto found = std::find_if(out.missing.begin(), out.missing.end(),
                                     [&](const CandidateResult& m) { return m.effect == effect->spec(); });
+    if (found != out.missing.end() && undetermined[e]) {
+      for (NamedValue& p : found->parameters) p.std = 0.0;
+      at += effect->parameterCount();
+      continue;
+    }
     if (found != out.missing.end()) found->parameters.clear();
     for (ProfileResult& p : out.profiles) {
       if (!(p.effect == effect->spec())) continue;

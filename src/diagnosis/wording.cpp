@@ -269,10 +269,10 @@ std::string sentenceOf(const Diagnosis& d) {
       return text + " Correct the session's file, or the mapping of its columns, then diagnose again.";
     }
     case Verdict::kUnknownEffect:
-      return unknownSentence(d) + remarks(d) + doubtOfOdds(d);
+      return unknownSentence(d) + remainderSentence(d) + remarks(d) + doubtOfOdds(d);
     case Verdict::kConfusable:
     case Verdict::kMissingEffect:
-      return missingSentence(d) + remarks(d) + doubtOfOdds(d);
+      return missingSentence(d) + remainderSentence(d) + remarks(d) + doubtOfOdds(d);
     case Verdict::kScatter:
       return scatterSentence(d) + variationSentence(d) + possibleSentence(d) + doubtOfOdds(d) +
              driftSentence(d);

@@ -347,6 +347,26 @@ TEST(Sentence, DoesNotSayThatNothingIsMissingWhereACauseCannotBeExcluded) {
     }
 }
 
+TEST(Sentence, SaysWhatRemainsWhereTheNamedCauseIsTheSmallerPart) {
+  Diagnosis d = verdict(Verdict::kMissingEffect);
+  d.missing = {play()};
+  d.noise = 0.1e-6;
+  d.heldOut = 0.32e-6;
+  const std::string named = "held-out RMS 0.93 -> 0.32 um.";
+  const auto after = [&] { return sentenceOf(d).substr(sentenceOf(d).find(named) + named.size()); };
+  EXPECT_EQ(after(), " What remains is 3.2 times the noise: its cause is not known.");
+  d.drift = {wander()};
+  ArtifactScatter form;
+  form.what = "form";
+  form.std = 0.2e-6;
+  d.artifactScatter = {form};
+  EXPECT_EQ(after(),
+            " What remains is 3.2 times the noise: x drifts by 0.4 um RMS with a time constant of 20 min and "
+            "follows nothing recorded; the form of the balls scatters by 0.2 um RMS.");
+  d.noise = 0.11e-6;
+  EXPECT_EQ(after(), "");
+}
+
 TEST(Sentence, OddsAreKnownNoBetterThanTheSearchesAgree) {
   const std::string doubt =
       " Two searches differ by up to 0.17 in a probability: these odds are known no better.";
