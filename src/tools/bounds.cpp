@@ -1,5 +1,6 @@
 #include "tools/bounds.h"
 
+#include <boost/algorithm/string/split.hpp>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -12,36 +13,29 @@
 namespace mm {
 namespace {
 
-/// Whether the whole text is one number of this type.
+/// Takes a text that is from end to end one number of this type within the bounds.
+/// @param kind "a number". @param range the bounds in words.
 template <typename Number>
-bool parsed(const std::string& text, Number& value) {
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  return error == std::errc() && stop == end;
+CLI::Validator within(Number lower, Number upper, const std::string& kind, const std::string& range) {
+  const auto check = [=](const std::string& text) -> std::string {
+    Number value{};
+    const char* end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, value);
+    if (error == std::errc() && stop == end && value >= lower && value <= upper) return {};
+    return "'" + text + "' is not " + kind + " from " + range;
+  };
+  return CLI::Validator(check, "[" + range + "]");
 }
 
 }  // namespace
 
 CLI::Validator numberWithin(double lower, double upper, const std::string& unit) {
   const std::string range = format("%.9g to %.9g", lower, upper) + (unit.empty() ? "" : " " + unit);
-  return CLI::Validator(
-      [lower, upper, range](std::string& text) -> std::string {
-        double value = 0.0;
-        if (parsed(text, value) && value >= lower && value <= upper) return {};
-        return "'" + text + "' is not a number from " + range;
-      },
-      "[" + range + "]");
+  return within(lower, upper, "a number", range);
 }
 
 CLI::Validator wholeNumberWithin(std::uint64_t lower, std::uint64_t upper) {
-  const std::string range = std::to_string(lower) + " to " + std::to_string(upper);
-  return CLI::Validator(
-      [lower, upper, range](std::string& text) -> std::string {
-        std::uint64_t value = 0;
-        if (parsed(text, value) && value >= lower && value <= upper) return {};
-        return "'" + text + "' is not a whole number from " + range;
-      },
-      "[" + range + "]");
+  return within(lower, upper, "a whole number", std::to_string(lower) + " to " + std::to_string(upper));
 }
 
 CLI::Validator anySeed() {
@@ -78,14 +72,10 @@ double optionNumber(const std::string& text, const std::string& option, double l
 
 std::vector<double> listOfNumbers(const std::string& text, const std::string& option, std::size_t count,
                                   const std::string& example) {
+  std::vector<std::string> parts;
+  boost::split(parts, text, [](char c) { return c == ','; });
   std::vector<double> values;
-  std::size_t from = 0;
-  for (;;) {
-    const std::size_t end = text.find(',', from);
-    values.push_back(optionNumber(text.substr(from, end - from), option, -1e9, 1e9, example));
-    if (end == std::string::npos) break;
-    from = end + 1;
-  }
+  for (const std::string& part : parts) values.push_back(optionNumber(part, option, -1e9, 1e9, example));
   if (values.size() != count)
     throw InputError(option + " '" + text + "' has " + std::to_string(values.size()) + " numbers, it needs " +
                      std::to_string(count) + "; write " + example);
