@@ -34,10 +34,10 @@ struct UncataloguedKind {
   std::string type, cause;
   Along along = Along::kDirection;
   std::vector<SourceKind::KeyRule> keys;
-  std::vector<SourceKind::NumberRule> shapeNumbers;  // after the size
-  std::vector<std::string> variables;                // a key in brackets stands for its value: `[axis] speed`
-  double (*shape)(const Instant&) = nullptr;         // of any size
-  bool qualified = false;                            // less what a qualification of the probe takes out
+  std::vector<std::string> variables;         // a key in brackets stands for its value: `[axis] speed`
+  double (*shape)(const Instant&) = nullptr;  // of any size
+  std::vector<SourceKind::NumberRule> shapeNumbers = {};  // of which it is made; after the size
+  bool qualified = false;                                 // less what a qualification of the probe takes out
 };
 
 /// All of them; every type begins with `uncatalogued_`.
