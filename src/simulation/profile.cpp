@@ -29,23 +29,26 @@ std::vector<double> randomWaves(Random& random) {
 
 }  // namespace
 
-Profile::Profile(double lower, double upper, std::vector<double> values)
-    : lower_(lower), upper_(upper > lower ? upper : lower + kNoTravel), values_(std::move(values)) {}
+Profile::Profile(double lower, double upper, std::vector<double> values, double size)
+    : lower_(lower), upper_(upper > lower ? upper : lower + kNoTravel), values_(std::move(values)) {
+  const double n = static_cast<double>(values_.size()), middle = 0.5 * (n - 1.0);
+  double mean = 0.0, slope = 0.0, largest = 0.0;
+  for (std::size_t i = 0; i < values_.size(); ++i) mean += values_[i] / n;
+  for (std::size_t i = 0; i < values_.size(); ++i)
+    slope += (i - middle) * values_[i] * 12.0 / (n * (n * n - 1.0));
+  for (std::size_t i = 0; i < values_.size(); ++i) values_[i] -= mean + slope * (i - middle);
+  for (const double v : values_) largest = std::max(largest, std::abs(v));
+  for (double& v : values_) v *= size / largest;
+}
 
 Profile Profile::waves(double lower, double upper, double size, Random& random) {
-  Profile profile(lower, upper, randomWaves(random));
-  profile.removeTrend();
-  profile.scaleTo(size);
-  return profile;
+  return {lower, upper, randomWaves(random), size};
 }
 
 Profile Profile::integratedWaves(double lower, double upper, double size, Random& random) {
   std::vector<double> rate = randomWaves(random), sum(rate.size(), 0.0);
   for (std::size_t i = 1; i < rate.size(); ++i) sum[i] = sum[i - 1] + 0.5 * (rate[i - 1] + rate[i]);
-  Profile profile(lower, upper, std::move(sum));
-  profile.removeTrend();
-  profile.scaleTo(size);
-  return profile;
+  return {lower, upper, std::move(sum), size};
 }
 
 Profile Profile::rise(double lower, double upper, double size, Random& random) {
@@ -53,21 +56,6 @@ Profile Profile::rise(double lower, double upper, double size, Random& random) {
   for (int i = 0; i < kPoints; ++i)
     profile.values_[i] = size * (profile.values_[i] + 2.0 * i / (kPoints - 1.0) - 1.0);
   return profile;
-}
-
-void Profile::removeTrend() {
-  const double n = static_cast<double>(values_.size()), middle = 0.5 * (n - 1.0);
-  double mean = 0.0, slope = 0.0;
-  for (std::size_t i = 0; i < values_.size(); ++i) mean += values_[i] / n;
-  for (std::size_t i = 0; i < values_.size(); ++i)
-    slope += (i - middle) * values_[i] * 12.0 / (n * (n * n - 1.0));
-  for (std::size_t i = 0; i < values_.size(); ++i) values_[i] -= mean + slope * (i - middle);
-}
-
-void Profile::scaleTo(double size) {
-  double largest = 0.0;
-  for (const double v : values_) largest = std::max(largest, std::abs(v));
-  for (double& v : values_) v *= size / largest;
 }
 
 double Profile::at(double travel) const {

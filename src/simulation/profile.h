@@ -21,9 +21,8 @@ class Profile {
   double at(double travel) const;  ///< m; travel in m or rad
 
  private:
-  Profile(double lower, double upper, std::vector<double> values);
-  void removeTrend();
-  void scaleTo(double size);
+  /// Takes the trend off the values, then makes the largest of them `size`.
+  Profile(double lower, double upper, std::vector<double> values, double size);
 
   double lower_ = 0.0, upper_ = 0.0;
   std::vector<double> values_;
