@@ -22,11 +22,10 @@ namespace {
 
 struct SensorsOptions {
   std::string csv, target, picture, positions, space;
-  int largest = 3, blocks = 10, gap = 0;
+  SelectionSettings selection;
   double accuracyUm = 0.0;
   std::string estimator = "ksg", correction = "none", range = "common", choose;
   std::vector<int> bins{30, 30};
-  std::uint64_t seed = 1;
   bool json = false;
   OutputFiles files;
 };
@@ -62,7 +61,7 @@ std::vector<std::vector<int>> searchSubsets(int sensors, int size, int keep, std
 }
 
 SelectionSettings settingsOf(const SensorsOptions& options, double micrometres) {
-  SelectionSettings settings;
+  SelectionSettings settings = options.selection;
   const std::map<std::string, InformationEstimator> estimators{
       {"ksg", InformationEstimator::kKsg},
       {"histogram", InformationEstimator::kHistogram},
@@ -76,12 +75,9 @@ SelectionSettings settingsOf(const SensorsOptions& options, double micrometres) 
   settings.information.commonRange = options.range == "common";
   settings.information.temperatureBins = options.bins[0];
   settings.information.displacementBins = options.bins[1];
-  settings.information.seed = settings.seed = options.seed;
+  settings.information.seed = settings.seed;
   settings.search = searchSubsets;
   settings.accuracy = options.accuracyUm / micrometres;
-  settings.largestSize = options.largest;
-  settings.blocks = options.blocks;
-  settings.gap = options.gap;
   const std::map<std::string, SetChoice> choices{{"prediction", SetChoice::kPrediction},
                                                  {"held_out", SetChoice::kHeldOut},
                                                  {"information", SetChoice::kInformation}};
@@ -94,7 +90,7 @@ SelectionSettings settingsOf(const SensorsOptions& options, double micrometres) 
 }
 
 Json selectionJson(const SensorSelection& selection, const SensorCandidates& candidates) {
-  const auto name = [&](int sensor) { return candidates.names[static_cast<std::size_t>(sensor)]; };
+  const auto name = [&](int sensor) { return candidates.name(sensor); };
   const auto names = [&](const std::vector<int>& sensors) { return jsonList(sensors, name); };
   const auto single = [&](const SensorScore& s) -> Json {
     return {{"sensor", name(s.sensor)},
@@ -120,24 +116,15 @@ Json selectionJson(const SensorSelection& selection, const SensorCandidates& can
           {"left_out", names(selection.constant)}};
 }
 
-std::string sensorNames(const std::vector<int>& sensors, const SensorCandidates& candidates,
-                        const char* separator = " + ") {
-  std::string text;
-  for (int s : sensors)
-    text += (text.empty() ? "" : separator) + candidates.names[static_cast<std::size_t>(s)];
-  return text;
-}
-
 void printText(const SensorSelection& selection, const SensorCandidates& candidates,
                const std::string& target) {
   const SensorSet& best = selection.sets[selection.recommended];
-  std::printf("Measure %s: held-out error of %s %.3g um.\n\n", sensorNames(best.sensors, candidates).c_str(),
+  std::printf("Measure %s: held-out error of %s %.3g um.\n\n", candidates.namesOf(best.sensors).c_str(),
               target.c_str(), best.heldOutRms * candidates.micrometres);
   std::printf("%-28s %12s %12s\n", "single sensor", "information", "correlation");
   const std::size_t shown = std::min<std::size_t>(10, selection.singles.size());
   for (std::size_t i = 0; i < shown; ++i)
-    std::printf("%-28s %8.3f nat %12.4f\n",
-                candidates.names[static_cast<std::size_t>(selection.singles[i].sensor)].c_str(),
+    std::printf("%-28s %8.3f nat %12.4f\n", candidates.name(selection.singles[i].sensor).c_str(),
                 selection.singles[i].information, selection.singles[i].correlation);
   if (shown < selection.singles.size()) std::printf("  and %zu more\n", selection.singles.size() - shown);
   double most = 1e-9;
@@ -147,14 +134,13 @@ void printText(const SensorSelection& selection, const SensorCandidates& candida
     const SensorSet& set = selection.sets[m];
     const std::string bar(static_cast<std::size_t>(std::max(0.0, 20.0 * set.information / most)), '#');
     std::printf("%-4zu %8.3f nat %-22s %9.3g um  %s%s%s\n", m + 1, set.information, bar.c_str(),
-                set.heldOutRms * candidates.micrometres, sensorNames(set.sensors, candidates).c_str(),
+                set.heldOutRms * candidates.micrometres, candidates.namesOf(set.sensors).c_str(),
                 m == selection.recommended ? "  <- recommended" : "",
                 selection.exhaustive[m] ? "" : "  (searched)");
   }
   for (const auto& [sensor, others] : selection.equivalent)
     std::printf("%s drifts together with these, which would do as well: %s\n",
-                candidates.names[static_cast<std::size_t>(sensor)].c_str(),
-                sensorNames(others, candidates, ", ").c_str());
+                candidates.name(sensor).c_str(), candidates.namesOf(others, ", ").c_str());
   std::fflush(stdout);
 }
 
@@ -165,10 +151,8 @@ void runSensors(SensorsOptions& options) {
   options.files.check();
   const SensorCandidates candidates = readSensorCandidates(options.csv, options.target, options.space);
   const SelectionSettings settings = settingsOf(options, candidates.micrometres);
-  const std::optional<Eigen::MatrixXd> positions =
-      options.positions.empty()
-          ? std::nullopt
-          : std::optional<Eigen::MatrixXd>(readSensorPositions(options.positions, candidates.names));
+  std::optional<Eigen::MatrixXd> positions;
+  if (!options.positions.empty()) positions = readSensorPositions(options.positions, candidates.names);
   SensorSelection selection;
   try {
     ProgressBar bar("sensors");
@@ -182,11 +166,9 @@ void runSensors(SensorsOptions& options) {
   }
   Interrupt::check();
   for (int s : selection.constant)
-    warn(options.csv + ": column '" + candidates.names[static_cast<std::size_t>(s)] +
-         "' does not vary and is not used");
+    warn(options.csv + ": column '" + candidates.name(s) + "' does not vary and is not used");
   if (!options.picture.empty())
-    options.files.write(options.picture, sensorsPicture(selection, candidates.names, positions,
-                                                        options.target, candidates.micrometres));
+    options.files.write(options.picture, sensorsPicture(selection, candidates, positions, options.target));
   if (options.json)
     std::cout << jsonText(selectionJson(selection, candidates)) << '\n';
   else
@@ -210,7 +192,7 @@ void addSensorsCommand(CLI::App& app, int& exitStatus) {
                   "displacement: of a CSV the column (its suffix _um, _mm or _m gives the unit), of a bag "
                   "the axis, of a CalculiX run node set, direction and length unit, e.g. NOSE_x_m")
       ->required();
-  standardOption(command, "--max", options.largest, wholeNumberWithin(1, 64), "largest set");
+  standardOption(command, "--max", options.selection.largestSize, wholeNumberWithin(1, 64), "largest set");
   standardOption(command, "--estimator", options.estimator,
                  CLI::IsMember({"ksg", "histogram", "correlation"}), "estimator of the mutual information");
   standardOption(command, "--bins", options.bins, wholeNumberWithin(2, 10000),
@@ -229,11 +211,11 @@ void addSensorsCommand(CLI::App& app, int& exitStatus) {
       "published (default for histogram and correlation)");
   checkedOption(command, "--accuracy-um", options.accuracyUm, numberWithin(0.0, 1e9, "um"),
                 "recommend the smallest set whose held-out error is within this value");
-  standardOption(command, "--blocks", options.blocks, wholeNumberWithin(2, 1000),
+  standardOption(command, "--blocks", options.selection.blocks, wholeNumberWithin(2, 1000),
                  "number of time blocks in the cross-validation");
-  standardOption(command, "--gap", options.gap, wholeNumberWithin(0, 100000),
+  standardOption(command, "--gap", options.selection.gap, wholeNumberWithin(0, 100000),
                  "number of samples on either side of a block that are not used");
-  seedOption(command, options.seed);
+  seedOption(command, options.selection.seed);
   declareNamespace(command, options.space);
   command.add_option("--picture", options.picture,
                      "write an SVG of sensor positions, and of information and held-out error against the "

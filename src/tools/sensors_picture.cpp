@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/format.h"
 #include "base/number_text.h"
+#include "base/range.h"
 #include "report/report_page.h"
 #include "session/csv_cells.h"
 #include "session/text_file.h"
@@ -34,12 +35,6 @@ std::string line(double x1, double y1, double x2, double y2, const char* colour,
       x2, y2, colour, width);
 }
 
-double leastOf(const SensorSelection& selection) {
-  double least = INFINITY;
-  for (const SensorScore& s : selection.singles) least = std::min(least, s.information);
-  return least;
-}
-
 /// From pale to dark blue.
 std::string shade(double share) {
   const double s = std::clamp(share, 0.0, 1.0);
@@ -56,15 +51,15 @@ class Scene {
  public:
   explicit Scene(const Eigen::MatrixXd& positions)
       : low_(positions.colwise().minCoeff()), high_(positions.colwise().maxCoeff()) {
-    double left = INFINITY, right = -INFINITY, top = INFINITY, bottom = -INFINITY;
+    Range across, down;
     for (int corner = 0; corner < 8; ++corner) {
       const Eigen::Vector2d p = flat(cornerOf(corner));
-      left = std::min(left, p.x()), right = std::max(right, p.x());
-      top = std::min(top, p.y()), bottom = std::max(bottom, p.y());
+      across.add(p.x());
+      down.add(p.y());
     }
-    scale_ = std::min(kWidth / std::max(right - left, kNoSpan), kHeight / std::max(bottom - top, kNoSpan));
-    offset_ = {kLeft + 0.5 * (kWidth - scale_ * (left + right)),
-               kTop + 0.5 * (kHeight - scale_ * (top + bottom))};
+    scale_ = std::min(kWidth / std::max(across.size(), kNoSpan), kHeight / std::max(down.size(), kNoSpan));
+    offset_ = {kLeft + 0.5 * (kWidth - scale_ * (across.lower + across.upper)),
+               kTop + 0.5 * (kHeight - scale_ * (down.lower + down.upper))};
   }
   Eigen::Vector2d at(const Eigen::Vector3d& p) const { return scale_ * flat(p) + offset_; }
   std::string box() const {
@@ -92,29 +87,29 @@ class Scene {
   Eigen::Vector2d offset_ = Eigen::Vector2d::Zero();
 };
 
-std::string inSpace(const SensorSelection& selection, const std::vector<std::string>& sensors,
-                    const Eigen::MatrixXd& positions, double most, const std::vector<int>& chosen) {
+std::string inSpace(const SensorSelection& selection, const SensorCandidates& candidates,
+                    const Eigen::MatrixXd& positions, double least, double most,
+                    const std::vector<int>& chosen) {
   const Scene scene(positions);
   std::string out = scene.box();
-  const double least = leastOf(selection);
   for (auto s = selection.singles.rbegin(); s != selection.singles.rend(); ++s) {
     const Eigen::Vector2d p = scene.at(positions.row(s->sensor).transpose());
     out +=
         format("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"6\" fill=\"%s\" stroke=\"#64748b\" stroke-width=\"0.5\">",
                p.x(), p.y(), shade((s->information - least) / std::max(most - least, kNoSpan)).c_str()) +
-        tooltip(sensors[static_cast<std::size_t>(s->sensor)], s->information) + "</circle>\n";
+        tooltip(candidates.name(s->sensor), s->information) + "</circle>\n";
   }
   for (const int c : chosen) {
     const Eigen::Vector2d p = scene.at(positions.row(c).transpose());
     out +=
         format("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"9\" fill=\"none\" stroke=\"%s\" stroke-width=\"2.5\"/>\n",
                p.x(), p.y(), kAccent);
-    out += label(p.x() + 12, p.y() - 8, sensors[static_cast<std::size_t>(c)], "start", kAccent, 13);
+    out += label(p.x() + 12, p.y() - 8, candidates.name(c), "start", kAccent, 13);
   }
   return out;
 }
 
-std::string asBars(const SensorSelection& selection, const std::vector<std::string>& sensors, double most,
+std::string asBars(const SensorSelection& selection, const SensorCandidates& candidates, double most,
                    const std::vector<int>& chosen) {
   std::string out;
   std::vector<std::size_t> shown;
@@ -126,12 +121,12 @@ std::string asBars(const SensorSelection& selection, const std::vector<std::stri
     const SensorScore& s = selection.singles[shown[row]];
     const bool taken = std::find(chosen.begin(), chosen.end(), s.sensor) != chosen.end();
     const double y = kTop + step * static_cast<double>(row);
-    out += label(kLeft + 150, y + 0.65 * step, sensors[static_cast<std::size_t>(s.sensor)], "end",
-                 taken ? kAccent : "#333", 12);
+    out +=
+        label(kLeft + 150, y + 0.65 * step, candidates.name(s.sensor), "end", taken ? kAccent : "#333", 12);
     out += format("<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" fill=\"%s\">", kLeft + 158,
                   y + 0.1 * step, std::max(1.0, (kWidth - 160) * std::max(0.0, s.information) / most),
                   0.75 * step, taken ? kAccent : "#3b82f6") +
-           tooltip(sensors[static_cast<std::size_t>(s.sensor)], s.information) + "</rect>\n";
+           tooltip(candidates.name(s.sensor), s.information) + "</rect>\n";
     if (step >= 14.0)
       out += label(kLeft + 163, y + 0.65 * step, format("%.2f", s.information), "start", "#111", 11);
   }
@@ -230,29 +225,29 @@ Eigen::MatrixXd readSensorPositions(const std::string& file, const std::vector<s
   return positions;
 }
 
-std::string sensorsPicture(const SensorSelection& selection, const std::vector<std::string>& sensors,
-                           const std::optional<Eigen::MatrixXd>& positions, const std::string& target,
-                           double micrometres) {
+std::string sensorsPicture(const SensorSelection& selection, const SensorCandidates& candidates,
+                           const std::optional<Eigen::MatrixXd>& positions, const std::string& target) {
   const SensorSet& best = selection.sets[selection.recommended];
-  double most = kNoSpan;
-  for (const SensorScore& s : selection.singles) most = std::max(most, s.information);
-  std::string names;
-  for (const int s : best.sensors)
-    names += (names.empty() ? "" : " + ") + sensors[static_cast<std::size_t>(s)];
+  const double micrometres = candidates.micrometres;
+  double least = INFINITY, most = kNoSpan;
+  for (const SensorScore& s : selection.singles) {
+    least = std::min(least, s.information);
+    most = std::max(most, s.information);
+  }
   std::string out =
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 980 470\" font-family=\"sans-serif\" "
       "role=\"img\">\n"
       "<rect width=\"980\" height=\"470\" fill=\"#fff\"/>\n";
   out += label(kLeft, 30,
-               "Measure " + names + format(": held-out error %.3g \u00b5m", best.heldOutRms * micrometres),
+               "Measure " + candidates.namesOf(best.sensors) +
+                   format(": held-out error %.3g \u00b5m", best.heldOutRms * micrometres),
                "start", "#111", 16);
-  out +=
-      label(kLeft, 52,
-            "Information of each sensor with " + target +
-                (positions ? format(": %.2f (pale) to %.2f nat (dark)", leastOf(selection), most) : ", nat"),
-            "start", "#666");
-  out += positions ? inSpace(selection, sensors, *positions, most, best.sensors)
-                   : asBars(selection, sensors, most, best.sensors);
+  out += label(kLeft, 52,
+               "Information of each sensor with " + target +
+                   (positions ? format(": %.2f (pale) to %.2f nat (dark)", least, most) : ", nat"),
+               "start", "#666");
+  out += positions ? inSpace(selection, candidates, *positions, least, most, best.sensors)
+                   : asBars(selection, candidates, most, best.sensors);
   return out + againstSize(selection, micrometres) + "</svg>\n";
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "thermal/sensor_selection.h"
+#include "tools/sensors_source.h"
 
 namespace mm {
 
@@ -15,9 +16,7 @@ Eigen::MatrixXd readSensorPositions(const std::string& file, const std::vector<s
 /// One self-contained SVG: on the left the sensors, coloured by their information, the recommended ones
 /// ringed and named (where the positions are known in space, seen at an angle from above; else as bars); on
 /// the right information and held-out error against the number of sensors.
-/// @param micrometres of one unit of the displacement.
-std::string sensorsPicture(const SensorSelection& selection, const std::vector<std::string>& sensors,
-                           const std::optional<Eigen::MatrixXd>& positions, const std::string& target,
-                           double micrometres);
+std::string sensorsPicture(const SensorSelection& selection, const SensorCandidates& candidates,
+                           const std::optional<Eigen::MatrixXd>& positions, const std::string& target);
 
 }  // namespace mm

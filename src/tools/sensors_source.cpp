@@ -91,6 +91,12 @@ SensorCandidates fromBag(const std::string& file, const std::string& target, con
 
 }  // namespace
 
+std::string SensorCandidates::namesOf(const std::vector<int>& sensors, const std::string& between) const {
+  std::vector<std::string> words;
+  for (const int sensor : sensors) words.push_back(name(sensor));
+  return joined(words, between);
+}
+
 SensorCandidates readSensorCandidates(const std::string& file, const std::string& target,
                                       const std::string& space) {
   if (endsWith(file, ".bag")) return fromBag(file, target, space);

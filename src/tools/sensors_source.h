@@ -12,6 +12,10 @@ struct SensorCandidates {
   Eigen::MatrixXd temperatures;  // samples x sensors, degC
   Eigen::VectorXd displacement;
   double micrometres = 1.0;  // um (arcsec for a rotary axis) of one unit of the displacement
+
+  const std::string& name(int sensor) const { return names[static_cast<std::size_t>(sensor)]; }
+  /// Several sensors, "a + b".
+  std::string namesOf(const std::vector<int>& sensors, const std::string& between = " + ") const;
 };
 
 /// From a CSV (mm sensors), or from a session's bag: there the target is an axis, or deviation_<axis>_um.
