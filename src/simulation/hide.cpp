@@ -84,8 +84,10 @@ const std::map<std::string, std::string> kOtherNames = {{"screw_periodic", "lead
                                                         {"cross_talk", "squareness"},
                                                         {"ball_position", "artifact_position"}};
 
-std::vector<std::string> choices(Key kind, const HiddenSource& source, const SourceKind& rule,
-                                 std::size_t index, const Workshop& w) {
+/// What may be drawn for a key. @param source with the keys before it.
+std::vector<std::string> choices(const SourceKind::KeyRule& key, const HiddenSource& source,
+                                 const Workshop& w) {
+  const Key kind = key.kind;
   std::vector<std::string> names;
   const std::string first = source.keys.empty() ? "" : source.keys[0].second;
   for (const Joint& joint : w.machine.joints()) {
@@ -109,9 +111,9 @@ std::vector<std::string> choices(Key kind, const HiddenSource& source, const Sou
   if (kind == Key::kBall)
     for (const Feature& feature : w.artifact.features)
       if (feature.known && feature.kind == FeatureKind::kBall) names.push_back(feature.name);
-  if (kind == Key::kWord && rule.keys[index].name == "lever") names = {"workpiece", "chain"};
-  if (kind == Key::kWord && rule.keys[index].name == "order") names = {"2", "3", "4"};
-  if (kind == Key::kWord && rule.keys[index].name == "harmonic") names = {"1", "2", "3"};
+  if (key.name == "lever") names = {"workpiece", "chain"};
+  if (key.name == "order") names = {"2", "3", "4"};
+  if (key.name == "harmonic") names = {"1", "2", "3"};
   return names;
 }
 
@@ -134,7 +136,7 @@ void fillKeys(const SourceKind& rule, const Written& written, const std::string&
                      " place(s), not " + std::to_string(written.places.size()));
   for (std::size_t i = 0; i < rule.keys.size(); ++i) {
     const SourceKind::KeyRule& key = rule.keys[i];
-    const std::vector<std::string> names = choices(key.kind, source, rule, i, w);
+    const std::vector<std::string> names = choices(key, source, w);
     const double draw = random.uniform();
     const auto named = written.named.find(key.name);
     std::string value = key.standard;
@@ -232,10 +234,10 @@ std::string misfit(const SourceKind& kind, const Workshop& w) {
 bool fits(const SourceKind& kind, const Workshop& w) {
   if (kind.composite || !misfit(kind, w).empty()) return false;
   HiddenSource source;
-  for (std::size_t i = 0; i < kind.keys.size(); ++i) {
-    const std::vector<std::string> names = choices(kind.keys[i].kind, source, kind, i, w);
+  for (const SourceKind::KeyRule& key : kind.keys) {
+    const std::vector<std::string> names = choices(key, source, w);
     if (names.empty()) return false;
-    source.keys.emplace_back(kind.keys[i].name, names[0]);
+    source.keys.emplace_back(key.name, names[0]);
   }
   return true;
 }
