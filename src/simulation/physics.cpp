@@ -64,8 +64,4 @@ Eigen::Vector3d Truth::featureCentre(int feature, double time) const {
   return physics_.artifact.centre(feature, temperature(physics_.artifactBody, time));
 }
 
-double Truth::featureRadius(int feature, const Eigen::Vector3d& normal, double time) const {
-  return physics_.artifact.radius(feature, normal, temperature(physics_.artifactBody, time));
-}
-
 }  // namespace mm

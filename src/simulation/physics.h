@@ -62,8 +62,6 @@ class Truth {
   Eigen::Vector3d nominal(const TrueState& state) const;
   /// True centre of a ball, or a point, in workpiece at a time (s).
   Eigen::Vector3d featureCentre(int feature, double time) const;
-  /// True radius of a ball (m) at a time (s) where a normal (unit vector, workpiece) leaves it.
-  double featureRadius(int feature, const Eigen::Vector3d& normal, double time) const;
   /// True temperature (degC) of a body at a time (s). @param body index in the ThermalModel.
   double temperature(int body, double time) const { return thermal_.recorded(time)[body]; }
   const Physics& physics() const { return physics_; }

@@ -8,7 +8,6 @@ namespace mm {
 class Play {
  public:
   explicit Play(double gap = 0.0) : gap_(gap) {}  ///< gap in m or rad
-  double gap() const { return gap_; }             ///< m or rad
   double slide() const { return slide_; }         ///< where the slide is, m or rad
   /// Puts the slide in the middle of its clearance.
   void centre(double drive) { slide_ = drive; }

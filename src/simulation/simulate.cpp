@@ -13,12 +13,6 @@
 namespace mm {
 namespace {
 
-InstrumentSettings settingsOf(const Plan& plan, const SimulationRequest& request) {
-  InstrumentSettings settings = InstrumentSettings::parse(plan.text, plan.source);
-  settings.rough.change(request.rough, "--rough");
-  return settings;
-}
-
 /// Travel of each joint over the plan, m or rad; its limits where it does not move.
 void rangesOf(const Plan& plan, const Machine& machine, std::vector<double>& lower,
               std::vector<double>& upper) {
@@ -47,7 +41,6 @@ class Recorder {
         noise_(request.seed, "records") {
     result_.known = std::move(instrument.known);
     result_.hidden = std::move(instrument.hidden);
-    settings_ = settingsOf(plan, request);
     result_.rough = settings_.rough;
   }
 
@@ -209,7 +202,7 @@ class Recorder {
 
   const Plan& plan_;
   SimulatedMachine machine_;
-  InstrumentSettings settings_;
+  const InstrumentSettings& settings_ = machine_.settings();
   Simulation result_;
   std::shared_ptr<const CorrectionTable> correction_;  // of the blocks with that state
   char correctedState_;
@@ -258,7 +251,8 @@ void roughen(const Machine& machine, const Plan& plan, const InstrumentSettings&
 
 SimulatedInstrument makeInstrument(const Machine& machine, const Plan& plan, const SimulationRequest& request,
                                    Hide hide) {
-  InstrumentSettings settings = settingsOf(plan, request);
+  InstrumentSettings settings = InstrumentSettings::parse(plan.text, plan.source);
+  settings.rough.change(request.rough, "--rough");
   // What is hidden may depend on where a session goes, but not on how rough it is.
   if (hide == Hide::kNothing) settings.rough = {};
   const Chain chain(machine);
@@ -288,16 +282,19 @@ SimulatedInstrument makeInstrument(const Machine& machine, const Plan& plan, con
   workshop.touches = std::any_of(plan.moves.begin(), plan.moves.end(),
                                  [](const PlanMove& move) { return move.kind == MoveKind::kTouch; });
   rangesOf(plan, machine, workshop.lower, workshop.upper);
+  const auto hideAll = [&](const std::vector<std::string>& texts, const std::string& where,
+                           const std::string& stream) {
+    std::vector<HiddenSource> sources;
+    for (std::size_t i = 0; i < texts.size(); ++i)
+      sources.push_back(hideSource(texts[i], where, request.seed, stream + std::to_string(i), workshop));
+    return sources;
+  };
   std::vector<HiddenSource> known, hidden;
-  if (hide == Hide::kNothing)
-    return {SimulatedMachine(machine, plan.artifact, settings, physics, request.seed), {}, {}};
-  roughen(machine, plan, settings, request.seed, rehearsed, physics);
-  for (std::size_t i = 0; i < settings.errors.size(); ++i)
-    known.push_back(hideSource(settings.errors[i], plan.source + ": errors", request.seed,
-                               "known " + std::to_string(i), workshop));
-  for (std::size_t i = 0; i < request.hide.size(); ++i)
-    hidden.push_back(
-        hideSource(request.hide[i], "--hide", request.seed, "hidden " + std::to_string(i), workshop));
+  if (hide == Hide::kAsked) {
+    roughen(machine, plan, settings, request.seed, rehearsed, physics);
+    known = hideAll(settings.errors, plan.source + ": errors", "known ");
+    hidden = hideAll(request.hide, "--hide", "hidden ");
+  }
   SimulatedInstrument instrument{SimulatedMachine(machine, plan.artifact, settings, physics, request.seed),
                                  std::move(known), std::move(hidden)};
   if (request.correction) instrument.machine.loadCorrection(request.correction);

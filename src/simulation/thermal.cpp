@@ -56,13 +56,6 @@ std::string ThermalModel::bodyName(int body) const {
   return body < static_cast<int>(bodies_.size()) ? bodies_[body].name : "air";
 }
 
-double ThermalModel::timeConstant(int body) const {
-  double conductance = bodies_[body].toAir;
-  for (const Contact& c : contacts_)
-    if (c.first == body || c.second == body) conductance += c.conductance;
-  return bodies_[body].capacity / conductance;
-}
-
 void ThermalModel::rates(double time, double activity, const std::vector<double>& temperatures,
                          std::vector<double>& out) const {
   const double air = ambient_.at(time);
@@ -108,8 +101,12 @@ void ThermalModel::step(double seconds, double activity) {  // Runge-Kutta of fo
 
 void ThermalModel::advance(double seconds, double activity) {
   double fastest = kLongestStep;
-  for (std::size_t b = 0; b < bodies_.size(); ++b)
-    fastest = std::min(fastest, 0.2 * timeConstant(static_cast<int>(b)));
+  for (int b = 0; b < bodyCount() - 1; ++b) {
+    double conductance = bodies_[b].toAir;
+    for (const Contact& c : contacts_)
+      if (c.first == b || c.second == b) conductance += c.conductance;
+    fastest = std::min(fastest, 0.2 * (bodies_[b].capacity / conductance));  // of its time constant
+  }
   while (seconds > 0.0) {
     const double dt = std::min(seconds, fastest);
     step(dt, activity);

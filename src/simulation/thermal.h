@@ -66,13 +66,10 @@ class ThermalModel {
   std::string bodyName(int body) const;
   /// degC, of bodies, air and followers.
   const std::vector<double>& temperatures() const { return temperatures_; }
-  double time() const { return time_; }
   /// Lets `seconds` pass. @param activity share of the highest speed at which the axes move, 0 to 1.
   void advance(double seconds, double activity);
   /// Temperatures at an earlier time (s), between the recorded ones; the last ones beyond the end.
   std::vector<double> recorded(double time) const;
-  /// @return W/K that leave a body and its capacity: time constant = capacity / conductance.
-  double timeConstant(int body) const;
 
  private:
   void rates(double time, double activity, const std::vector<double>& temperatures,
