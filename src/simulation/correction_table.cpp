@@ -11,7 +11,7 @@
 #include "base/number_text.h"
 #include "base/read_file.h"
 #include "base/text.h"
-#include "base/units.h"
+#include "machine/joint_units.h"
 
 namespace mm {
 namespace {
@@ -37,23 +37,18 @@ Column columnOf(const std::string& name, const std::string& where, const Machine
   std::vector<std::string> known;
   for (int j = 0; j < machine.jointCount(); ++j) {
     const Joint& joint = machine.joints()[static_cast<std::size_t>(j)];
-    const bool linear = joint.kind == JointKind::kLinear;
-    const std::string position = joint.name + (linear ? "_mm" : "_deg"), travel = joint.name + "_travel",
-                      correction = "correction_" + joint.name + (linear ? "_um" : "_arcsec");
-    if (name == position) return {j, Column::Role::kPosition, linear ? kMillimetre : kDegree};
-    if (name == travel) return {j, Column::Role::kTravel, 1.0};
-    if (name == correction) return {j, Column::Role::kCorrection, linear ? kMicrometre : kArcsecond};
-    for (const std::string& one : {position, travel, correction}) known.push_back(one);
+    const JointUnit reading = readingUnit(joint), error = errorUnit(joint);
+    const std::pair<std::string, Column> columns[] = {
+        {joint.name + "_" + reading.symbol, {j, Column::Role::kPosition, reading.factor}},
+        {joint.name + "_travel", {j, Column::Role::kTravel, 1.0}},
+        {"correction_" + joint.name + "_" + error.symbol, {j, Column::Role::kCorrection, error.factor}}};
+    for (const auto& [called, column] : columns) {
+      if (name == called) return column;
+      known.push_back(called);
+    }
   }
   throw InputError(where + ": column '" + name + "' is not known" + didYouMean(name, known) + "; known are " +
                    joined(known, ", "));
-}
-
-double numberIn(const std::string& cell, const std::string& where) {
-  double value = 0.0;
-  if (!parseNumber(cell, value) || !std::isfinite(value))
-    throw InputError(where + ": '" + cell + "' is not a finite number");
-  return value;
 }
 
 /// The rows as they stand in the text.
@@ -81,7 +76,10 @@ struct TableText {
                        std::to_string(columns.size()) + " columns");
     std::vector<double> values;
     for (std::size_t c = 0; c < cells.size(); ++c) {
-      values.push_back(numberIn(cells[c], at(number)) * columns[c].unit);
+      double value = 0.0;
+      if (!parseNumber(cells[c], value) || !std::isfinite(value))
+        throw InputError(at(number) + ": '" + cells[c] + "' is not a finite number");
+      values.push_back(value * columns[c].unit);
       if (columns[c].role == Column::Role::kTravel && std::abs(values.back()) != 1.0)
         throw InputError(at(number) + ": '" + cells[c] + "' is not a direction of travel; give -1 or 1");
     }

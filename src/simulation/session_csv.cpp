@@ -1,12 +1,15 @@
 #include "simulation/session_csv.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <sstream>
 #include <utility>
 #include <vector>
 
+#include "base/erase_if.h"
 #include "base/units.h"
+#include "machine/joint_units.h"
 
 namespace mm {
 namespace {
@@ -19,14 +22,14 @@ std::vector<std::pair<std::string, Cell>> columnsOf(const Session& session) {
       {"time_s", [](const Observation& o) { return o.time; }}};
   const std::vector<Joint>& joints = session.machine.joints();
   for (std::size_t j = 0; j < joints.size(); ++j) {
-    const bool linear = joints[j].kind == JointKind::kLinear;
-    const std::string name = joints[j].name, unit = linear ? "_mm" : "_deg";
-    const double factor = linear ? kMillimetre : kDegree, fine = linear ? kMicrometre : kArcsecond;
-    columns.emplace_back(name + unit, [=](const Observation& o) { return o.position[j] / factor; });
-    columns.emplace_back(name + "_velocity" + unit + "_s",
-                         [=](const Observation& o) { return o.velocity[j] / factor; });
-    columns.emplace_back("deviation_" + name + (linear ? "_um" : "_arcsec"), [=](const Observation& o) {
-      return o.deviation.empty() ? kNotMeasured : o.deviation[j] / fine;
+    const std::string& name = joints[j].name;
+    const JointUnit reading = readingUnit(joints[j]), error = errorUnit(joints[j]);
+    columns.emplace_back(name + "_" + reading.symbol,
+                         [=](const Observation& o) { return o.position[j] / reading.factor; });
+    columns.emplace_back(name + "_velocity_" + reading.symbol + "_s",
+                         [=](const Observation& o) { return o.velocity[j] / reading.factor; });
+    columns.emplace_back("deviation_" + name + "_" + error.symbol, [=](const Observation& o) {
+      return o.deviation.empty() ? kNotMeasured : o.deviation[j] / error.factor;
     });
   }
   columns.emplace_back("reading_mm", [](const Observation& o) { return o.laserReading / kMillimetre; });
@@ -39,14 +42,11 @@ std::vector<std::pair<std::string, Cell>> columnsOf(const Session& session) {
   for (const Series& s : session.covariates)
     columns.emplace_back(s.name + "_" + s.unit, [&s](const Observation& o) { return s.at(o.time); });
 
-  std::vector<std::pair<std::string, Cell>> measured;
-  for (auto& column : columns)
-    for (const Observation& o : session.observations)
-      if (!std::isnan(column.second(o))) {
-        measured.push_back(std::move(column));
-        break;
-      }
-  return measured;
+  eraseIf(columns, [&](const auto& column) {
+    return std::all_of(session.observations.begin(), session.observations.end(),
+                       [&](const Observation& o) { return std::isnan(column.second(o)); });
+  });
+  return columns;
 }
 
 }  // namespace
