@@ -23,7 +23,7 @@ namespace {
 struct ApplyOptions {
   std::string csv, calibration, output;
   StoreOptions store;
-  double margin = 0.10;
+  Compensator::Options limits;
   int table = 0;  // points along each joint; 0: no table
   OutputFiles files;
 };
@@ -45,9 +45,8 @@ void runTable(ApplyOptions& options) {
   options.files.input(options.calibration);
   if (options.output != "-") options.files.output("-o", options.output, FileKind::kTable);
   options.files.check();
-  Compensator::Options limits;
-  limits.margin = options.margin;
-  const std::string text = compensationTable(Compensator(chosenCalibration(options), limits), options.table);
+  const Compensator compensator(chosenCalibration(options), options.limits);
+  const std::string text = compensationTable(compensator, options.table);
   if (options.output == "-") {
     std::cout << text;
     return;
@@ -67,9 +66,7 @@ void runApply(ApplyOptions& options) {
   if (!toStandardOutput) options.files.output("-o", options.output, FileKind::kStates);
   options.files.check();
   const Calibration calibration = chosenCalibration(options);
-  Compensator::Options limits;
-  limits.margin = options.margin;
-  const Compensator compensator(calibration, limits);
+  const Compensator compensator(calibration, options.limits);
   std::string text;
   AppliedStates applied;
   {
@@ -104,7 +101,7 @@ void addApplyCommand(CLI::App& app, int& exitStatus) {
                      "the calibration file (default: the active calibration)");
   command.add_option("--store", options.store.folder, "folder of calibrations (default: $MM_CALIBRATIONS)");
   command.add_option("-o,--output", options.output, "the CSV to write; - for standard output")->required();
-  standardOption(command, "--margin", options.margin, numberWithin(0.0, 10.0),
+  standardOption(command, "--margin", options.limits.margin, numberWithin(0.0, 10.0),
                  "margin beyond the calibrated range within which a row is still valid, as a fraction of "
                  "the range");
   checkedOption(

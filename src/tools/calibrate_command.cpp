@@ -136,8 +136,7 @@ int runCalibrate(CalibrateCommand& c) {
   if (!c.output.empty()) c.files.write(c.output, done.calibration);
   const bool angular = !std::isfinite(done.result.figures.rms);
   if (!c.curve.empty())
-    c.files.write(c.curve, done.result.genetic ? curveCsv(*done.result.genetic, angular)
-                                               : curveCsv(GeneticSummary(), angular));
+    c.files.write(c.curve, curveCsv(done.result.genetic.value_or(GeneticSummary()), angular));
   if (c.json) {
     std::string json = calibrateJson(done.result, questions);
     if (prior.asked()) {

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "base/error.h"
+#include "base/names_of.h"
 #include "base/nearest_name.h"
 #include "base/text.h"
 #include "base/version.h"
@@ -33,16 +34,14 @@ void addManualCommand(CLI::App& app, int& /*exitStatus*/) {
   command->callback([&app, name, list] {
     const std::vector<Command> commands = commandsOf(app);
     const std::string wanted = joined(*name, " ");
-    std::vector<std::string> known;
     for (const Command& c : commands) {
-      known.push_back(c.name);
       if (*list) std::cout << c.name << '\n';
       if (!*list && c.name == wanted) std::cout << manualPage(c, kVersion);
       if (c.name == wanted) return;
     }
     if (*list) return;
     if (!wanted.empty())
-      throw InputError("'" + wanted + "' is not a command of mm" + didYouMean(wanted, known) +
+      throw InputError("'" + wanted + "' is not a command of mm" + didYouMean(wanted, allNames(commands)) +
                        " (mm manual --list lists them)");
     std::cout << manualPage(app, kVersion);
   });

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <iostream>
 
+#include "base/erase_if.h"
 #include "base/error.h"
 #include "base/json_text.h"
 #include "base/nearest_name.h"
@@ -79,9 +80,7 @@ void runEffects(const EffectsOptions& options) {
   if (!options.type.empty()) {
     std::vector<std::string> known;
     for (const CatalogueEntry& e : entries) known.push_back(e.type);
-    entries.erase(std::remove_if(entries.begin(), entries.end(),
-                                 [&](const CatalogueEntry& e) { return e.type != options.type; }),
-                  entries.end());
+    eraseIf(entries, [&](const CatalogueEntry& e) { return e.type != options.type; });
     if (entries.empty())
       throw InputError("'" + options.type + "' is not an effect of the catalogue" +
                        didYouMean(options.type, known) + " (mm effects lists them)");

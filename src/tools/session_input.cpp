@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/read_file.h"
+#include "base/text.h"
 #include "base/units.h"
 #include "calibration_file/calibration_fit.h"
 #include "effects/registry.h"
@@ -93,7 +94,7 @@ void FitOptions::declare(CLI::App& command, bool genetic) {
                 "standard deviation of one measurement (default: from the model, the artifact or repeated "
                 "measurements)");
   command.add_flag("--keep-outliers", keepOutliers, "use all observations, outliers included");
-  command.add_flag("--white-noise", whiteNoise,
+  command.add_flag("--white-noise", calibrate.whiteNoise,
                    "treat rows as independent, even if the residuals are correlated");
   declareNamespace(command, space);
   if (!genetic) return;
@@ -106,7 +107,6 @@ CalibrateOptions FitOptions::checked() const {
   CalibrateOptions options = calibrate;
   if (repeatability > 0.0) options.repeatability = repeatability * kMicrometre;
   options.rejectOutliers = !keepOutliers;
-  options.whiteNoise = whiteNoise;
   options.cancelled = [] { return Interrupt::asked(); };
   return options;
 }

@@ -49,7 +49,6 @@ struct FitOptions {
   CalibrateOptions calibrate;
   double repeatability = 0.0;  // um; 0: not stated
   bool keepOutliers = false;
-  bool whiteNoise = false;
   std::string space;  // of the session's topics
 
   /// Adds the options. @param genetic also seed and threads of the genetic algorithms.

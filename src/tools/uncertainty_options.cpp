@@ -11,6 +11,7 @@
 #include "base/units.h"
 #include "tools/bounds.h"
 #include "tools/interrupt.h"
+#include "workflow/recalibration.h"
 
 namespace mm {
 namespace {
@@ -143,8 +144,7 @@ ToleranceAsked UncertaintyOptions::asked() const {
 
 TaskUncertainty taskUncertaintyOf(const Calibration& calibration, const UncertaintyOptions& options) {
   const TaskConditions conditions = options.conditionsFor(calibration.domain);
-  const Model model(Machine(calibration.urdf, calibration.machineName), calibration.domain,
-                    calibration.effects, calibration.networks);
+  const Model model = modelOf(calibration);
   TaskOptions how = options.points;
   how.permissible = options.asked().permissible;
   const std::unique_ptr<MeasurementTask> task = makeTask(options.task, how, model);
