@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <utility>
 
 #include "base/error.h"
 #include "base/text.h"
 #include "drivers/axis_map.h"
+#include "session/csv_cells.h"
 #include "simulation/simulate.h"
 
 namespace mm {
@@ -24,14 +24,6 @@ constexpr double kTurning = 10.0;      // rad/s^2
 constexpr double kLate = 0.3;          // s by which a slow device is late
 constexpr double kGap = 0.2;           // s for which an intermittent device answers, and then does not
 constexpr double kWrong = 5e-3;        // m by which a wrong device is wrong
-
-std::vector<std::string> splitSources(const std::string& text) {
-  std::vector<std::string> sources;
-  std::istringstream in(text);
-  for (std::string one; std::getline(in, one, ';');)
-    if (const std::string_view source = trim(one); !source.empty()) sources.emplace_back(source);
-  return sources;
-}
 
 /// Where the axes are at a trip, or where the laser is read.
 ProbeEdge edgeOf(const Trip& trip, bool probing, MotionId motion) {
@@ -82,7 +74,9 @@ void SimulatedController::open(const ControllerSetup& setup) {
       {"plan", "hide", "seed", "bounce_s", "acceleration_m_s2", "acceleration_rad_s2", "fault"});
   const std::string file = textParameterOf(setup, "plan", "");
   if (!file.empty()) plan = Plan::load(file, machine);
-  request.hide = splitSources(textParameterOf(setup, "hide", ""));
+  const std::string hide = textParameterOf(setup, "hide", "");
+  for (const std::string_view source : wordsIn(hide, ";"))
+    if (!trim(source).empty()) request.hide.emplace_back(trim(source));
   request.seed = static_cast<std::uint64_t>(numberParameterOf(setup, "seed", 1.0, 0.0, 1e18));
   bounce_ = numberParameterOf(setup, "bounce_s", bounce_, 0.0, 60.0);
   const double linear = numberParameterOf(setup, "acceleration_m_s2", kAcceleration, 1e-9, 1e9);
@@ -144,8 +138,6 @@ Capabilities SimulatedController::capabilities() const {
   }
   return can;
 }
-
-bool SimulatedController::arrived() const { return instrument_->machine.readings() == motion_.target; }
 
 bool SimulatedController::answers() const {
   return fault_ != Fault::kProbeStuck && fault_ != Fault::kProbeDead;
@@ -290,7 +282,7 @@ void SimulatedController::advance(double seconds) {
     edges_.push_back(opened);
   }
   touching_ = machine.touching();
-  if (!arrived()) return;
+  if (machine.readings() != motion_.target) return;
   for (const std::size_t j : homing_) homed_[j] = true;
   finish(ending_.value_or(Outcome::kReached));
 }

@@ -62,7 +62,6 @@ class SimulatedController final : public AxisController {
   void finish(Outcome outcome);
   void addEdges(const ProbeEdge& edge);
   void requirePower() const;
-  bool arrived() const;
   bool answers() const;
   AxesState stateNow() const;
   AxesState broken(const AxesState& state);
