@@ -79,9 +79,10 @@ CalibrationResult calibrated(const Session& session, Clock& clock, Method method
   return r;
 }
 
+// The third method is asked by KeepsTheBestSoFarWheneverItComes, which needs its whole way.
 TEST(Cancel, IsAskedForOftenInEveryStageOfACalibration) {
   const Session session = plate({});
-  for (const Method method : {Method::kLeastSquares, Method::kStagedMutation, Method::kNiching}) {
+  for (const Method method : {Method::kLeastSquares, Method::kNiching}) {
     Clock clock;
     calibrated(session, clock, method);
     EXPECT_LT(clock.longest(), kLongest) << nameOf(method);
@@ -93,6 +94,8 @@ TEST(Cancel, KeepsTheBestSoFarWheneverItComes) {
   const Session session = plate({});
   Clock whole;
   calibrated(session, whole, Method::kStagedMutation);
+  EXPECT_LT(whole.longest(), kLongest);
+  EXPECT_GT(whole.count(), 20);
   const int parts = mm_test::thoroughTests() ? 6 : 2;
   for (int part = 0; part < parts; ++part) {
     Clock clock(1 + part * (whole.count() - 1) / parts);

@@ -144,7 +144,9 @@ TEST(Diagnose, TheAngleOfACarriageIsThatBesideTheStepThatComesWithIt) {
     double angle, step;
     std::uint64_t seed;
   };
-  for (const Hidden& h : {Hidden{60, 4, 6}, Hidden{40, 2, 5}, Hidden{40, 6, 5}}) {
+  std::vector<Hidden> all{{40, 2, 5}};  // every day the smallest
+  if (mm_test::thoroughTests()) all.insert(all.end(), {{60, 4, 6}, {40, 6, 5}});
+  for (const Hidden& h : all) {
     const Diagnosis d = diagnosed(measured({"angular_reversal:y/z=" + std::to_string(h.angle) + "arcsec",
                                             "straightness_reversal:y/x=" + std::to_string(h.step) + "um"},
                                            h.seed, true)

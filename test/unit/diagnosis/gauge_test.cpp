@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "diagnosis/diagnose.h"
+#include "long_tests.h"
 #include "model/observed_domain.h"
 #include "pan_tilt_session.h"
 
@@ -35,7 +37,8 @@ TEST(Gauge, AFitThatGoesOnFromAnotherFindsTheSame) {
 }
 
 TEST(Gauge, LostZerosDoNotHideAMissingEffect) {
-  for (const std::uint64_t seed : {79, 80}) {
+  for (const std::uint64_t seed :
+       mm_test::thoroughTests() ? std::vector<std::uint64_t>{79, 80} : std::vector<std::uint64_t>{79}) {
     const Session session = notSquare(seed);
     CalibrateOptions options;
     options.method = Method::kLeastSquares;

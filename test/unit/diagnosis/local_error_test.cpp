@@ -86,7 +86,13 @@ std::string told(const Diagnosis& d) {
   return text;
 }
 
-int seeds() { return mm_test::longTests() ? 8 : 2; }
+int seeds() {
+  if (mm_test::longTests()) return 8;
+  return mm_test::thoroughTests() ? 2 : 1;
+}
+
+/// As many in a thorough run at least; every day the first.
+int seeds(int thorough) { return mm_test::thoroughTests() ? std::max(thorough, seeds()) : 1; }
 
 /// It was told as 0.05 um where drift that was not spoken of, quicker than the measurements, had taken it.
 void knowsTheNoise(const Diagnosis& d) {
@@ -207,7 +213,7 @@ TEST(LocalError, AScrewOfShortLeadIsFoundOnUnequalTargets) {
 
 // Errors that differ from target to target by chance: the best of a thousand waves was told of them
 TEST(LocalError, WhatDiffersFromTargetToTargetByChanceIsNoWave) {
-  for (int seed = 1; seed <= std::max(2, seeds()); ++seed) {
+  for (int seed = 1; seed <= seeds(2); ++seed) {
     RandomNumbers random(static_cast<std::uint64_t>(seed));
     const std::vector<double> targets = unequalTargets(21, random, seed % 2 == 0);
     std::vector<double> errors(targets.size());
@@ -228,7 +234,7 @@ TEST(LocalError, WhatDiffersFromTargetToTargetByChanceIsNoWave) {
 
 // Graduation errors beside a backlash: a wave of 1.144 mm among 505 at 41 targets, 20 to 1
 TEST(LocalError, GraduationErrorsAreNoWave) {
-  for (int seed = 1; seed <= std::max(2, seeds()); ++seed) {
+  for (int seed = 1; seed <= seeds(2); ++seed) {
     RandomNumbers random(static_cast<std::uint64_t>(seed));
     const std::vector<double> targets = unequalTargets(41, random, seed % 2 == 0);
     std::vector<double> errors(targets.size());
@@ -296,7 +302,7 @@ TEST(LocalError, AReversalValueIsNoJumpWhereTheFirstDirectionIsNotKnown) {
 // A tracker reads 40 places once each, along y worse than across: what three axes read at one place is no
 // reading again of the place of one.
 TEST(LocalError, AReadingOfThreeAxesIsOneReadingOfAPlace) {
-  for (const unsigned seed : {1u, 2u, 3u}) {
+  for (unsigned seed = 1; seed <= (mm_test::thoroughTests() ? 3u : 1u); ++seed) {
     Session session = sessionOf(1e-6);
     RandomNumbers random(seed);
     for (int i = 0; i < 40; ++i) {
@@ -315,7 +321,7 @@ TEST(LocalError, AReadingOfThreeAxesIsOneReadingOfAPlace) {
 // Each place is read three times before the next: what the three share is of the time as well as of the
 // place.
 TEST(LocalError, ReadingsOneAfterTheOtherAreOneVisit) {
-  for (const unsigned seed : {1u, 2u, 3u}) {
+  for (unsigned seed = 1; seed <= (mm_test::thoroughTests() ? 3u : 1u); ++seed) {
     Session session = sessionOf(1e-6);
     RandomNumbers random(seed);
     for (int i = 0; i < 40; ++i) {
@@ -333,7 +339,7 @@ TEST(LocalError, ReadingsOneAfterTheOtherAreOneVisit) {
 // A zero that is lost a little more with each run, in both directions: drift and a backlash against it were
 // told
 TEST(LocalError, AZeroThatShiftsFromRunToRunIsNoBacklash) {
-  for (int seed = 1; seed <= std::max(2, seeds()); ++seed) {
+  for (int seed = 1; seed <= seeds(2); ++seed) {
     RandomNumbers random(static_cast<std::uint64_t>(seed));
     const std::vector<double> targets = unequalTargets(15, random, false);
     Session session = sessionOf(0.3e-6);
@@ -350,7 +356,7 @@ TEST(LocalError, AZeroThatShiftsFromRunToRunIsNoBacklash) {
 
 // Each pass has a zero of its own, by 0.6 um: the difference of five and five of them was told as a backlash
 TEST(LocalError, AZeroThatShiftsFromPassToPassIsNoBacklash) {
-  for (int seed = 1; seed <= std::max(3, seeds()); ++seed) {
+  for (int seed = 1; seed <= seeds(3); ++seed) {
     RandomNumbers random(static_cast<std::uint64_t>(seed));
     const std::vector<double> targets = unequalTargets(15, random, false);
     std::vector<double> zeros;
@@ -365,7 +371,7 @@ TEST(LocalError, AZeroThatShiftsFromPassToPassIsNoBacklash) {
 
 // Beside a scale the highest peaks of a thousand waves were its own: a screw of twice the lead was told
 TEST(LocalError, AScrewOfShortLeadIsFoundBesideAScale) {
-  for (int seed = 1; seed <= std::max(2, seeds()); ++seed) {
+  for (int seed = 1; seed <= seeds(2); ++seed) {
     RandomNumbers random(static_cast<std::uint64_t>(seed));
     const std::vector<double> targets = unequalTargets(120, random, false);
     Session session = sessionOf(0.4e-6);
@@ -432,7 +438,7 @@ TEST(LocalError, AScaleThatWandersIsNoExpansionWithTheAir) {
 // pressure.
 TEST(LocalError, TheZeroOfAQuantityIsNoScaleOfItsOwn) {
   constexpr double kRight = 1013.25, kByPressure = 0.6;  // hPa, um/m/hPa
-  for (int seed = 1; seed <= std::max(2, seeds()); ++seed) {
+  for (int seed = 1; seed <= seeds(2); ++seed) {
     RandomNumbers random(static_cast<std::uint64_t>(seed));
     Session session = sessionOf(0.02e-6);
     session.covariates.push_back({"pressure", "hPa", {}, {}});
@@ -488,7 +494,7 @@ TEST(LocalError, TheAxisOfATableIsNamedAndNoWarmUp) {
 // Readings of one place over hours (ISO 230-3, ETVE) tell no rotation of the instrument: by that which fitted
 // their noise the growth of z was told along all three axes
 TEST(LocalError, WhatGrowsAtOnePlaceGrowsAlongItsOwnAxis) {
-  for (int seed = 1; seed <= std::max(2, seeds()); ++seed) {
+  for (int seed = 1; seed <= seeds(2); ++seed) {
     RandomNumbers random(static_cast<std::uint64_t>(seed));
     Session session = sessionOf(0.15e-6);
     session.temperatures.push_back({"spindle", "degC", {}, {}});
