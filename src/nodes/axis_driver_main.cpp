@@ -1,7 +1,6 @@
 #include <pluginlib/class_loader.hpp>
 
 #include "nodes/axis_driver.h"
-#include "ros_bridge/ending.h"
 #include "ros_bridge/node_support.h"
 
 namespace {

@@ -1,5 +1,4 @@
 #include "nodes/measure_node.h"
-#include "ros_bridge/ending.h"
 #include "ros_bridge/node_support.h"
 
 int main(int argc, char** argv) {

@@ -7,7 +7,6 @@
 #include "nodes/ros_machine.h"
 #include "ros_bridge/bag_session.h"
 #include "ros_bridge/effect_plugins.h"
-#include "ros_bridge/ending.h"
 #include "ros_bridge/node_support.h"
 #include "ros_bridge/package_folder.h"
 #include "workbench/access.h"

@@ -3,11 +3,14 @@
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/console.h>
 #include <ros/init.h>
+#include <ros/network.h>
 #include <ros/this_node.h>
+#include <ros/xmlrpc_manager.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cctype>
-#include <cmath>
+#include <csignal>
 #include <cstdlib>
 
 #include "base/nearest_name.h"
@@ -15,7 +18,6 @@
 #include "calibration_file/calibration_fit.h"
 #include "calibration_file/calibration_store.h"
 #include "machine/machine_fit.h"
-#include "ros_bridge/ending.h"
 #include "ros_bridge/master_watch.h"
 
 namespace mm {
@@ -26,6 +28,11 @@ namespace {
 }
 
 constexpr double kBetweenTries = 30.0;  // s
+
+std::atomic<bool> endAsked{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "it is set by a signal");
+
+void askForEnd(int /*signal*/) { endAsked = true; }
 
 /// Whether roslaunch starts the node again when it ends, as the launch file says.
 bool comesUpAgain() {
@@ -58,7 +65,7 @@ void waitForOtherParameters(const std::string& wrong) {
   });
   const std::string before = parametersNow(own);
   const ros::SteadyTime end = ros::SteadyTime::now() + ros::WallDuration(kBetweenTries);
-  while (ros::ok() && !endAsked() && ros::SteadyTime::now() < end && parametersNow(own) == before) {
+  while (ros::ok() && !endAsked && ros::SteadyTime::now() < end && parametersNow(own) == before) {
     updater.force_update();
     kBetween.sleep();
   }
@@ -163,6 +170,28 @@ void refuseUnknownParameters(const ros::NodeHandle& node, const std::vector<std:
     if (name.find('/') != std::string::npos || std::count(known.begin(), known.end(), name) > 0) continue;
     throw InputError("parameter '" + full + "' is not known" + didYouMean(name, known));
   }
+}
+
+void endWhileRosLives() {
+  struct sigaction ours {};
+  ours.sa_handler = askForEnd;
+  sigemptyset(&ours.sa_mask);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction before {};
+    sigaction(signal, nullptr, &before);
+    if (signal == SIGHUP && before.sa_handler == SIG_IGN) continue;
+    sigaction(signal, &ours, nullptr);
+  }
+  ros::XMLRPCManager::instance()->unbind("shutdown");
+  ros::XMLRPCManager::instance()->bind("shutdown",
+                                       [](XmlRpc::XmlRpcValue& /*request*/, XmlRpc::XmlRpcValue& answer) {
+                                         endAsked = true;
+                                         answer = ros::xmlrpc::responseInt(1, "", 0);
+                                       });
+}
+
+void waitForEnd() {
+  while (!endAsked && ros::ok()) ros::WallDuration(0.02).sleep();
 }
 
 int runNode(int argc, char** argv, const std::string& name,

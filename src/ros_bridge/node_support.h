@@ -70,4 +70,11 @@ ros::ServiceServer offer(ros::NodeHandle node, const std::string& name, Work wor
 int runNode(int argc, char** argv, const std::string& name,
             const std::function<void(ros::NodeHandle, ros::NodeHandle)>& work);
 
+/// From here on SIGINT, SIGTERM, SIGHUP and `rosnode kill` only ask for the end: whoever moves a machine
+/// stops it first, and for that ROS must still live. SIGHUP stays ignored where it was (nohup). Call it after
+/// `ros::start`, once, in a node that then waits with `waitForEnd`.
+void endWhileRosLives();
+/// Until the end is asked for, or ROS has been shut down.
+void waitForEnd();
+
 }  // namespace mm
