@@ -67,7 +67,6 @@ class SessionCollector {
   /// What was set aside so far, "/probe/contact message 3: why".
   std::vector<std::string> refused() const;
   std::size_t refusedCount() const { return refused_.size() + refusedMore_; }
-  std::size_t reversals() const { return travel_.reversals(); }                    ///< kept of all joints
   std::size_t observationCount() const { return rows_.size() + waiting_.size(); }  ///< so far
   bool hasMachine() const { return machine_.has_value(); }                         ///< a URDF was heard
   /// Used when there is no robot description. @throw InputError when messages do not fit it.

@@ -86,13 +86,6 @@ std::optional<std::int64_t> TravelLog::earliest(const std::string& name) const {
   return first;
 }
 
-std::size_t TravelLog::reversals() const {
-  std::size_t count = 0;
-  for (const auto& [name, joint] : joints_)
-    for (const auto& [publisher, track] : joint.tracks) count += track.motions.size();
-  return count;
-}
-
 std::string TravelLog::lacking() const {
   std::string text;
   for (const auto& [name, joint] : joints_)

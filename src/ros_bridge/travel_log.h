@@ -38,7 +38,6 @@ class TravelLog {
   /// Where the joint's direction of travel changed, by stamp.
   std::vector<Motion> motions(const std::string& joint) const;
   std::optional<std::int64_t> earliest(const std::string& joint) const;  ///< stamp of its first state, ns
-  std::size_t reversals() const;                                         ///< kept of all joints
   /// For people, what is no longer kept; empty: everything is.
   std::string lacking() const;
 
