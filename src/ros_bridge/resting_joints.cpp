@@ -1,7 +1,6 @@
 #include "ros_bridge/resting_joints.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/format.h"
 
@@ -46,37 +45,27 @@ void RestingJoints::take(const measuring_machine::AxisStatus& message, const std
 
 RestingJoints::Rest RestingJoints::over(const Joint& joint, const ros::Time& from, const ros::Time& to,
                                         double resolution) const {
-  Rest rest;
   const auto found = joints_.find(joint.name);
-  if (found == joints_.end() || found->second.positions.empty() || found->second.said.empty()) {
-    rest.why = "no driver reports its position";
-    return rest;
-  }
+  if (found == joints_.end() || found->second.positions.empty() || found->second.said.empty())
+    return {"no driver reports its position"};
   const std::deque<Position>& positions = found->second.positions;
   const auto first = std::upper_bound(positions.begin(), positions.end(), from,
                                       [](const ros::Time& t, const Position& p) { return t < p.stamp; });
   const auto last = std::lower_bound(positions.begin(), positions.end(), to,
                                      [](const Position& p, const ros::Time& t) { return p.stamp < t; });
-  if (first == positions.begin() || last == positions.end()) {
-    rest.why = "there is no joint state " + std::string(last == positions.end() ? "behind" : "before") +
-               " the contact";
-    return rest;
-  }
+  if (last == positions.end()) return {"there is no joint state behind the contact"};
+  if (first == positions.begin()) return {"there is no joint state before the contact"};
   const std::deque<Said>& said = found->second.said;
-  if (said.front().stamp > from) rest.why = "its driver sent nothing before the contact";
-  for (std::size_t i = 0; i < said.size() && rest.why.empty(); ++i)
-    if (said[i].stamp <= to && (i + 1 == said.size() || said[i + 1].stamp > from)) rest.why = said[i].why;
-  if (!rest.why.empty()) return rest;
+  if (said.front().stamp > from) return {"its driver sent nothing before the contact"};
+  for (std::size_t i = 0; i < said.size() && said[i].stamp <= to; ++i)
+    if ((i + 1 == said.size() || said[i + 1].stamp > from) && !said[i].why.empty()) return {said[i].why};
   const auto [least, most] = std::minmax_element(
       first - 1, last + 1, [](const Position& a, const Position& b) { return a.value < b.value; });
-  if (!(most->value - least->value <= resolution)) {
-    rest.why = format("it moved by %.3g %s in the %.0f ms around it", 1e6 * (most->value - least->value),
-                      joint.kind == JointKind::kRotary ? "urad" : "um",
-                      1e3 * (last->stamp - (first - 1)->stamp).toSec());
-    return rest;
-  }
-  rest.position = 0.5 * (least->value + most->value);
-  return rest;
+  if (!(most->value - least->value <= resolution))
+    return {format("it moved by %.3g %s in the %.0f ms around it", 1e6 * (most->value - least->value),
+                   joint.kind == JointKind::kRotary ? "urad" : "um",
+                   1e3 * (last->stamp - (first - 1)->stamp).toSec())};
+  return {{}, 0.5 * (least->value + most->value)};
 }
 
 }  // namespace mm
