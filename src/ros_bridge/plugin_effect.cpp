@@ -67,21 +67,12 @@ class PluginEffect final : public Effect {
           p.toUnit == 0.0)
         throw InputError("parameter '" + p.name +
                          "' needs a name, a scale and a bound above 0, and a toUnit");
-      Parameter q;
-      q.name = p.name;
-      q.unit = p.unit;
-      q.toUnit = p.toUnit;
-      q.scale = p.scale;
-      q.bound = p.bound;
-      q.start = p.start;
-      q.minimum = p.minimum;
-      q.maximum = p.maximum;
-      q.priorStd = p.priorStd;
       if (!p.search.empty()) {
         nature_.nonlinear.push_back(static_cast<int>(parameters_.size()));
         combine(p.search);
       }
-      parameters_.push_back(std::move(q));
+      parameters_.push_back(
+          {p.name, p.unit, p.toUnit, p.scale, p.bound, p.start, p.minimum, p.maximum, p.priorStd});
     }
     if (parameters_.empty()) throw InputError("parameters() is empty");
     nature_.linear = nature_.nonlinear.empty();

@@ -99,19 +99,16 @@ visualization_msgs::MarkerArray residualMarkers(const CalibrationResult& result,
   all.markers.push_back(clear);
 
   Marker arrows = markerIn(frame, "residuals", Marker::LINE_LIST);
-  constexpr double kShaft = 0.1e-3;  // m, width of an arrow
-  arrows.scale.x = kShaft;           // m, width
+  arrows.scale.x = 0.1e-3;  // m, width
   Marker dots = markerIn(frame, "contacts", Marker::SPHERE_LIST);
-  constexpr double kDot = 0.3e-3;  // m, side of a dot
-  dots.scale.x = dots.scale.y = dots.scale.z = kDot;
+  dots.scale.x = dots.scale.y = dots.scale.z = 0.3e-3;    // m, side of a dot
   Eigen::Vector3d top = Eigen::Vector3d::Constant(-1e9);  // the highest of each coordinate, m
   const Problem& problem = *result.problem;
   for (int i = 0; i < static_cast<int>(problem.session().observations.size()); ++i) {
     if (!problem.uses(i)) continue;
     const Arrow arrow = arrowOf(result, i);
     if (!arrow.at.allFinite() || !arrow.residual.allFinite()) continue;
-    const std_msgs::ColorRGBA shade =
-        arrow.counts ? colourOf(0.1, 0.6, 1.0, 1.0) : colourOf(1.0, 0.1, 0.1, 1.0);
+    const std_msgs::ColorRGBA shade = arrow.counts ? colourOf(0.1, 0.6, 1.0) : colourOf(1.0, 0.1, 0.1);
     top = top.cwiseMax(arrow.at);
     arrows.points.push_back(tf2::toMsg(arrow.at));
     arrows.points.push_back(tf2::toMsg(Eigen::Vector3d(arrow.at + scale * arrow.residual)));
