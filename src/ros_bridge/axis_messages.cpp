@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "base/error.h"
-#include "base/format.h"
 
 namespace mm {
 namespace {

@@ -4,7 +4,6 @@
 #include <rosbag/constants.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
 

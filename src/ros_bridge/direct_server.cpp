@@ -117,16 +117,12 @@ std::uint16_t DirectServer::listen() {
   return port_;
 }
 
-std::string DirectServer::uri() const {
-  return "rosrpc://" + ros::network::getHost() + ":" + std::to_string(port_);
-}
-
 void DirectServer::tell(const std::string& method) const {
   for (const auto& service : services_) {
     XmlRpc::XmlRpcValue request, response, answer;
     request[0] = ros::this_node::getName();
     request[1] = service.first;
-    request[2] = uri();
+    request[2] = "rosrpc://" + ros::network::getHost() + ":" + std::to_string(port_);
     if (method == "registerService") request[3] = ros::XMLRPCManager::instance()->getServerURI();
     ros::master::execute(method, request, response, answer, method == "registerService");
   }

@@ -7,7 +7,6 @@
 #include <functional>
 #include <list>
 #include <map>
-#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -72,7 +71,6 @@ class DirectServer {
   void accept();
   const Entry* greet(int socket, Fields& fields);
   void tell(const std::string& method) const;
-  std::string uri() const;
 
   std::map<std::string, Entry> services_;
   int listener_ = -1;

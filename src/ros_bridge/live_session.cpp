@@ -5,7 +5,6 @@
 #include <ros/names.h>
 #include <std_msgs/String.h>
 
-#include <functional>
 #include <type_traits>
 
 #include "base/error.h"
