@@ -3,7 +3,7 @@
 // last before (1 positive, 2 negative); assumed that nothing is added in that direction.
 #include <cmath>
 
-#include "base/error.h"
+#include "base/format.h"
 #include "base/pattern.h"
 #include "base/text.h"
 #include "interpreters/table_sum.h"
@@ -56,7 +56,7 @@ AxisTable leadscrewTable(const KeyedValues& list, const std::string& joint) {
   list.only("kw.ssfk.modulo", 0);
   const int count = list.integer("kw.ssfk.kw_nr_max", 1, kMostLeadscrewPoints);
   const double interval = list.number("kw.ssfk.interval"), start = list.number("kw.ssfk.kw_startpos", 0.0);
-  if (!(interval > 0.0)) refuse(list.place("kw.ssfk.interval"), "kw.ssfk.interval: is not above 0");
+  if (!(interval > 0.0)) list.refuse("kw.ssfk.interval", "is not above 0");
   const std::string downwards = list.flag("kw.ssfk.bilateral", false) ? ".neg" : ".pos";
   std::vector<double> positions, positive, negative;
   for (int i = 0; i < count; ++i) {
@@ -72,8 +72,8 @@ std::string masterAxis(const KeyedValues& list, const std::string& key,
                        const std::map<int, std::string>& axes) {
   const auto found = axes.find(list.integer(key, 1, 1000));
   if (found == axes.end())
-    refuse(list.place(key),
-           key + ": axis " + list.find(key)->text + " has no list here; give one with its kopf.log_achs_nr");
+    list.refuse(key,
+                "axis " + list.find(key)->text + " has no list here; give one with its kopf.log_achs_nr");
   return found->second;
 }
 
@@ -103,7 +103,7 @@ AxesGrid planeCompensation(const KeyedValues& list, const std::string& slave,
   list.only(name + ".unit", 1);
   AxesGrid plane{{}, slave, {}, {}, true};
   const double interval = list.number(name + ".interval");
-  if (!(interval > 0.0)) refuse(list.place(name + ".interval"), name + ".interval: is not above 0");
+  if (!(interval > 0.0)) list.refuse(name + ".interval", "is not above 0");
   for (const std::string which : {"1", "2"}) {
     const std::string master = masterAxis(list, name + ".master" + which + "_ax_nr", axes);
     const int last = list.integer(name + ".last_index_master" + which, 1, kMostPlanePoints);
@@ -114,9 +114,8 @@ AxesGrid planeCompensation(const KeyedValues& list, const std::string& slave,
   }
   const int columns = static_cast<int>(plane.at[0].size()), rows = static_cast<int>(plane.at[1].size());
   if (columns * rows > kMostPlanePoints)
-    refuse(list.place(name + ".last_index_master1"), name + ": " + std::to_string(columns) + " x " +
-                                                         std::to_string(rows) + " points are more than " +
-                                                         std::to_string(kMostPlanePoints));
+    refuse(list.place(name + ".last_index_master1"),
+           format("%s: %d x %d points are more than %d", name.c_str(), columns, rows, kMostPlanePoints));
   for (int i = 0; i < columns; ++i)
     for (int k = 0; k < rows; ++k)
       plane.values.push_back(tableValue(list, name, k, "[" + std::to_string(i) + "].correction") *
@@ -131,9 +130,7 @@ std::map<int, std::string> logicalAxes(const std::map<std::string, KeyedValues>&
   for (const auto& [joint, list] : lists) {
     if (!list.has(key)) continue;
     const auto [entry, added] = axes.emplace(list.integer(key, 1, 1000), joint);
-    if (!added)
-      refuse(list.place(key),
-             key + ": " + list.find(key)->text + " is that of axis " + entry->second + ", too");
+    if (!added) list.refuse(key, list.find(key)->text + " is that of axis " + entry->second + ", too");
   }
   for (int i = 0; i < 6; ++i) axes.emplace(i + 1, std::string(1, "xyzabc"[i]));
   return axes;
@@ -148,7 +145,7 @@ std::unique_ptr<Interpreter> interpretBeckhoff(const std::filesystem::path& fold
     const std::string joint = jointOfAxis(name.substr(0, name.find_first_of("_.")), {file, 0});
     readList(file, lists.emplace(joint, KeyedValues({file, 0})).first->second);
   }
-  if (lists.empty()) throw InputError(folder.string() + ": has no <axis>.lis, which beckhoff reads");
+  if (lists.empty()) refuse({folder, 0}, "has no <axis>.lis, which beckhoff reads");
   const std::map<int, std::string> axes = logicalAxes(lists);
   std::vector<AxisTable> tables;
   std::vector<AxesGrid> planes;

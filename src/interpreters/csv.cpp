@@ -38,12 +38,9 @@ struct ChainJoint {
 
   SmallMotion errors(const CommandedState& command) const {
     SmallMotion errors;
-    for (const Component& component : components) {
-      const double position = commanded(command, name);
-      const double value =
-          byDirection(command, name, component.positive.at(position), component.negative.at(position));
-      (component.coordinate < 3 ? errors.translation : errors.rotation)[component.coordinate % 3] += value;
-    }
+    for (const Component& component : components)
+      (component.coordinate < 3 ? errors.translation : errors.rotation)[component.coordinate % 3] +=
+          byDirection(command, name, component.positive, component.negative);
     return errors;
   }
 };

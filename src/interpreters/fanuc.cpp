@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "base/format.h"
 #include "base/text.h"
 #include "base/units.h"
 #include "interpreters/table_sum.h"
@@ -47,12 +48,9 @@ class FanucAxis {
  public:
   FanucAxis(const KeyedValues& parameters, int axis, std::string joint)
       : p_(parameters), axis_(axis), joint_(std::move(joint)) {
-    if (jointUnit(joint_) != kMillimetre || bit(1006, 0)) {
-      const std::string given = name(p_.has(name(3620)) ? 3620 : 1851);
-      refuse(p_.place(given), given + ": rotary axes are not read; take the axis out");
-    }
-    if (bit(3605, 0))
-      refuse(p_.place(name(3605)), name(3605) + ": a table for each direction (#0) is not read");
+    if (jointUnit(joint_) != kMillimetre || bit(1006, 0))
+      p_.refuse(name(p_.has(name(3620)) ? 3620 : 1851), "rotary axes are not read; take the axis out");
+    if (bit(3605, 0)) p_.refuse(name(3605), "a table for each direction (#0) is not read");
     increment_ = bit(1013, 1) ? 1e-4 : 1e-3;  // IS-C, IS-B
     detection_ = increment_ / commandMultiplier();
   }
@@ -63,7 +61,7 @@ class FanucAxis {
         p_.integer(name(1851), -kMostFanucBacklash, kMostFanucBacklash, 0) * detection_ * kMillimetre;
     if (backlash != 0.0) tables.push_back(reversal(joint_, 0.0, -backlash));
     if (!p_.has(name(3620)) || interval() == 0.0) return tables;
-    if (!(interval() > 0.0)) refuse(p_.place(name(3624)), name(3624) + ": is not above 0");
+    if (!(interval() > 0.0)) p_.refuse(name(3624), "is not above 0");
     const Curve curve = pitch().stepped();
     tables.push_back({joint_, joint_, curve, curve});
     return tables;
@@ -79,7 +77,7 @@ class FanucAxis {
     if (value == nullptr) return false;
     const std::string& text = value->text;
     if (text.empty() || text.size() > 8 || text.find_first_not_of("01") != std::string::npos)
-      refuse(value->place, name(number) + ": '" + text + "' is not a byte of bits");
+      p_.refuse(name(number), "'" + text + "' is not a byte of bits");
     return which < text.size() && text[text.size() - 1 - which] == '1';
   }
 
@@ -102,9 +100,9 @@ class FanucAxis {
     const auto point = [&](int number) { return p_.integer(name(number), 0, kLastFanucPoint); };
     const int reference = point(3620), first = point(3621), last = point(3622);
     if (first > reference + 1 || last < reference)
-      refuse(p_.place(name(3620)), name(3620) + ": the reference position, " + std::to_string(reference) +
-                                       ", is not between the points " + std::to_string(first) +
-                                       " (3621) and " + std::to_string(last) + " (3622)");
+      p_.refuse(name(3620),
+                format("the reference position, %d, is not between the points %d (3621) and %d (3622)",
+                       reference, first, last));
     p_.only(name(1240), 0);
     const int magnification = p_.integer(name(3623), 0, 100, 1);
     const auto increment = [&](int number) {

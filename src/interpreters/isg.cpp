@@ -8,8 +8,9 @@
 #include <cmath>
 #include <set>
 
-#include "base/error.h"
+#include "base/erase_if.h"
 #include "base/nearest_name.h"
+#include "base/pattern.h"
 #include "base/text.h"
 #include "interpreters/table_sum.h"
 #include "interpreters/targets.h"
@@ -61,13 +62,12 @@ void checkIsgList(const KeyedValues& list) {
     list.need(key);
     const auto [entry, added] = axes.emplace(list.integer(key, 0, kMostIsgAxis), key);
     if (!added)
-      refuse(list.place(key), std::string(key) + ": " + list.find(key)->text + " is the logical number of " +
-                                  entry->second + ", too");
+      list.refuse(key, list.find(key)->text + " is the logical number of " + entry->second + ", too");
   }
   const auto only = [&](const std::string& key, const std::vector<std::string>& read) {
     const std::string said = isgWord(list, key, read[0]);
     if (std::find(read.begin(), read.end(), said) == read.end())
-      refuse(list.place(key), key + ": " + said + " is not read, only " + listOf(read));
+      list.refuse(key, said + " is not read, only " + listOf(read));
   };
   only("chain", {"XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"});
   only("workpiece_axes", {"0"});
@@ -75,7 +75,7 @@ void checkIsgList(const KeyedValues& list) {
   for (const char* key : {"use_axis_offsets", "alternative_model"}) only(key, {"0", "FALSE"});
   for (const std::string key : {"negate", "set_to_zero"})
     if (isgWord(list, key, "").find_first_not_of("XYZ") != std::string::npos)
-      refuse(list.place(key), key + ": '" + list.find(key)->text + "' is no set of X, Y and Z, as in XY");
+      list.refuse(key, "'" + list.find(key)->text + "' is no set of X, Y and Z, as in XY");
 }
 
 /// By what the errors along a joint are multiplied.
@@ -100,9 +100,7 @@ std::vector<TextTable> isgBlocks(const std::filesystem::path& file) {
                         line.place);
     }
   }
-  blocks.erase(std::remove_if(blocks.begin(), blocks.end(),
-                              [](const TextTable& block) { return block.names.cells.empty(); }),
-               blocks.end());
+  eraseIf(blocks, [](const TextTable& block) { return block.names.cells.empty(); });
   if (blocks.empty()) refuse({file, 0}, "has no header: a line with the names of columns is expected");
   return blocks;
 }
@@ -113,10 +111,9 @@ bool isIsgArgument(const std::string& name) {
 
 /// EXX to EZZ. @throw InputError for another parameter.
 bool isIsgError(const std::string& name, const FilePlace& place) {
-  constexpr std::string_view kLinear = "XYZ";
+  static const Pattern known("E[XYZ]{2}");
   if (isIsgArgument(name)) return false;
-  if (name.size() != 3 || name[0] != 'E' || kLinear.find(name[1]) == std::string_view::npos ||
-      kLinear.find(name[2]) == std::string_view::npos)
+  if (!known.matches(name))
     refuse(place, "column " + name +
                       " is not read, only X, Y, Z, A, B, C and EXX to EZZ; about which point "
                       "angles turn is not documented");
@@ -189,7 +186,7 @@ std::filesystem::path isgFile(const KeyedValues& list, const std::string& key,
   const std::string& path = list.find(key)->text;
   const std::string name = path.substr(path.find_last_of("/\\") + 1);
   if (!std::filesystem::is_regular_file(folder / name))
-    refuse(list.place(key), key + ": there is no file '" + (folder / name).string() + "'; put it there");
+    list.refuse(key, "there is no file '" + (folder / name).string() + "'; put it there");
   return folder / name;
 }
 
@@ -197,7 +194,7 @@ std::filesystem::path isgFile(const KeyedValues& list, const std::string& key,
 
 std::unique_ptr<Interpreter> interpretIsg(const std::filesystem::path& folder) {
   if (!std::filesystem::is_regular_file(folder / kIsgList))
-    throw InputError(folder.string() + ": has no " + kIsgList + ", which isg reads");
+    refuse({folder, 0}, std::string("has no ") + kIsgList + ", which isg reads");
   const KeyedValues list = readIsgList(folder / kIsgList);
   checkIsgList(list);
   std::set<std::string> named;
@@ -208,7 +205,7 @@ std::unique_ptr<Interpreter> interpretIsg(const std::filesystem::path& folder) {
     if (!list.has("file" + index)) continue;
     any = true;
     if (const std::string said = isgWord(list, kind, "ISG_CSV"); said != "ISG_CSV")
-      refuse(list.place(kind), kind + ": " + said + " is not read, only ISG_CSV");
+      list.refuse(kind, said + " is not read, only ISG_CSV");
     for (const TextTable& block : isgBlocks(isgFile(list, "file" + index, folder)))
       addIsgErrors(block, list, named, grids);
   }

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "base/grid_values.h"
 #include "base/text.h"
 #include "base/units.h"
@@ -75,23 +76,21 @@ KlipperMesh meshOf(const ConfigSection& profile, const KeyedValues& settings) {
   if (algorithm.text != "direct")
     refuse(algorithm.place, "algo: '" + algorithm.text + "' is not read, only direct (mesh_pps: 0, 0)");
   if (settings.number("fade_end", 0.0) > 0.0)
-    refuse(settings.place("fade_end"), "fade_end: a mesh that fades is not read; take fade_end out");
+    settings.refuse("fade_end", "a mesh that fades is not read; take fade_end out");
   const std::vector<double> alongX = meshPositions(profile.values, "x"),
                             alongY = meshPositions(profile.values, "y");
   KlipperMesh mesh{{alongY, alongX}, {}};
-  const FilePlace& place = profile.values.need("points").place;
+  profile.values.need("points");
   const auto points = profile.below.find("points");
   const std::vector<TextLine> rows = points == profile.below.end() ? std::vector<TextLine>{} : points->second;
   for (const TextLine& row : rows) {
     const std::vector<std::string> cells = partsBetween(row.text, ',');
     for (const std::string& cell : cells) mesh.heights.push_back(tableNumber(cell, row.place, "points"));
     if (cells.size() != alongX.size())
-      refuse(row.place, "points: a row of " + std::to_string(cells.size()) + " heights, x_count is " +
-                            std::to_string(alongX.size()));
+      refuse(row.place, format("points: a row of %zu heights, x_count is %zu", cells.size(), alongX.size()));
   }
   if (rows.size() != alongY.size())
-    refuse(place,
-           "points: " + std::to_string(rows.size()) + " rows, y_count is " + std::to_string(alongY.size()));
+    profile.values.refuse("points", format("%zu rows, y_count is %zu", rows.size(), alongY.size()));
   return mesh;
 }
 

@@ -7,6 +7,7 @@
 #include "base/nearest_name.h"
 #include "base/read_file.h"
 #include "base/temporary_folder.h"
+#include "interpreters/table_sum.h"
 
 namespace mm {
 namespace {

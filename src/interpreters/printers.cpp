@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/error.h"
+#include "base/format.h"
 #include "base/units.h"
 #include "interpreters/table_sum.h"
 #include "interpreters/targets.h"
@@ -76,8 +76,8 @@ std::unique_ptr<Interpreter> interpretMarlin(const std::filesystem::path& folder
     if (command.name == "M852")
       for (const auto& [letter, factor] : command.numbers("IJK")) {
         if (!(std::abs(factor) <= 1.0))
-          refuse(command.place, std::string("M852 ") + letter + ": " + std::to_string(factor) +
-                                    " is not within -1 to 1 (SKEW_FACTOR_MIN, SKEW_FACTOR_MAX)");
+          refuse(command.place, format("M852 %c: %f is not within -1 to 1 (SKEW_FACTOR_MIN, SKEW_FACTOR_MAX)",
+                                       letter, factor));
         factors[letter] = factor;
       }
     if (command.name != "M425") continue;
@@ -116,8 +116,7 @@ std::unique_ptr<Interpreter> interpretReprapfirmware(const std::filesystem::path
     }
   }
   if (!std::filesystem::exists(folder / "config.g") && !std::filesystem::exists(folder / "config-override.g"))
-    throw InputError(folder.string() +
-                     ": has neither config.g nor config-override.g, which reprapfirmware reads");
+    refuse({folder, 0}, "has neither config.g nor config-override.g, which reprapfirmware reads");
   const auto skew = [=](const CommandedState&, Eigen::Vector3d& place) {
     place.x() += xy * place.y() + xz * place.z();
     place.y() += yz * place.z();

@@ -6,7 +6,7 @@
 #include <cctype>
 #include <cmath>
 
-#include "base/error.h"
+#include "base/format.h"
 #include "base/nearest_name.h"
 #include "base/text.h"
 #include "interpreters/table_sum.h"
@@ -58,8 +58,8 @@ void readSiemensLine(const TextLine& line, KeyedValues& said) {
     refuse(line.place, "'" + std::string(trim(line.text)) + "' is not [index]=value");
   std::vector<std::string> indices = partsBetween(text.substr(open + 1, equals - open - 1), ',');
   if (indices.size() != known->second)
-    refuse(line.place, name + ": has " + std::to_string(known->second) + " indices in brackets, not " +
-                           std::to_string(indices.size()));
+    refuse(line.place,
+           format("%s: has %zu indices in brackets, not %zu", name.c_str(), known->second, indices.size()));
   for (std::size_t i = 0; i < indices.size(); ++i) {
     std::string& index = indices[i];
     const int most = i == 0 ? kMostTables - 1 : kMostPoints;  // of a table or an encoder, of a point
@@ -82,19 +82,18 @@ Curve siemensCurve(const KeyedValues& said, const std::string& prefix, const std
   const double step = said.number(name("_STEP")), least = said.number(name("_MIN")),
                most = said.number(name("_MAX"));
   said.only(name("_IS_MODULO"), 0);
-  if (!(step > 0.0)) refuse(said.place(name("_STEP")), name("_STEP") + ": is not above 0");
+  if (!(step > 0.0)) said.refuse(name("_STEP"), "is not above 0");
   const int steps = static_cast<int>(std::lround((most - least) / step));
   constexpr double kWhole = 1e-6;  // of a step: rounding of the numbers in the file
   if (steps < 1 || steps >= kMostPoints || std::abs((most - least) / step - steps) > kWhole)
-    refuse(said.place(name("_MAX")),
-           name("_MAX") + ": is not one or more whole steps above _MIN; give the end of a step");
+    said.refuse(name("_MAX"), "is not one or more whole steps above _MIN; give the end of a step");
   std::vector<double> positions, values;
   for (int n = 0; n <= steps; ++n) {
     positions.push_back((least + n * step) * jointUnit(input));
     values.push_back(-said.number(value(n), 0.0) * jointUnit(output));
   }
   if (const std::string beyond = value(steps + 1); said.has(beyond))
-    refuse(said.place(beyond), beyond + ": lies beyond " + name("_MAX"));
+    said.refuse(beyond, "lies beyond " + name("_MAX"));
   return {positions, values};
 }
 
@@ -103,8 +102,7 @@ Curve siemensCurve(const KeyedValues& said, const std::string& prefix, const std
 std::unique_ptr<Interpreter> interpretSiemens(const std::filesystem::path& folder) {
   const std::vector<std::filesystem::path> files = filesEndingIn({".mpf", ".spf", ".ini"}, folder);
   if (files.empty())
-    throw InputError(folder.string() +
-                     ": has no file *.mpf, *.spf or *.ini, e.g. cec.mpf, which siemens reads");
+    refuse({folder, 0}, "has no file *.mpf, *.spf or *.ini, e.g. cec.mpf, which siemens reads");
   KeyedValues said({folder, 0});
   for (const auto& file : files)
     for (const TextLine& line : textLines(file)) readSiemensLine(line, said);
@@ -132,8 +130,8 @@ std::unique_ptr<Interpreter> interpretSiemens(const std::filesystem::path& folde
     const int points = static_cast<int>(curve.positions().size());
     if (said.integer("$MN_MM_CEC_MAX_POINTS" + index, 0, kMostPoints, points) < points)
       refuse(said.place("$MN_MM_CEC_MAX_POINTS" + index),
-             "table " + number + ": (_MAX - _MIN) / _STEP asks for " + std::to_string(points) +
-                 " points, more than $MN_MM_CEC_MAX_POINTS");
+             format("table %d: (_MAX - _MIN) / _STEP asks for %d points, more than $MN_MM_CEC_MAX_POINTS",
+                    table, points));
     const int direction = said.integer("$AN_CEC_DIRECTION" + index, -1, 1, 0);
     tables.push_back({input, output, direction < 0 ? Curve() : curve, direction > 0 ? Curve() : curve});
     numbers[output].insert(table);

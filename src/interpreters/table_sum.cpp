@@ -52,10 +52,8 @@ std::map<std::string, double> TableSum::motors(const CommandedState& command) co
   }
   for (const AxisTable& table : tables_) {
     const auto motor = motors.find(table.output);
-    if (motor == motors.end()) continue;
-    const double position = commanded(command, table.input);
-    motor->second +=
-        byDirection(command, table.input, table.positive.at(position), table.negative.at(position));
+    if (motor != motors.end())
+      motor->second += byDirection(command, table.input, table.positive, table.negative);
   }
   for (const AxesGrid& grid : grids_)
     if (const auto motor = motors.find(grid.output); motor != motors.end())
@@ -105,13 +103,14 @@ double commanded(const CommandedState& command, const std::string& joint) {
   return found->second;
 }
 
-double byDirection(const CommandedState& command, const std::string& joint, double positive,
-                   double negative) {
+double byDirection(const CommandedState& command, const std::string& joint, const Curve& positive,
+                   const Curve& negative) {
+  const double position = commanded(command, joint);
   const auto found = command.direction.find(joint);
   const int direction = found == command.direction.end() ? 0 : found->second;
-  if (direction > 0) return positive;
-  if (direction < 0) return negative;
-  return 0.5 * (positive + negative);
+  if (direction > 0) return positive.at(position);
+  if (direction < 0) return negative.at(position);
+  return 0.5 * (positive.at(position) + negative.at(position));
 }
 
 double jointUnit(const std::string& joint) {

@@ -84,8 +84,10 @@ void addPoints(const std::string& joint, const std::vector<double>& positions, J
 
 /// Position of a joint. @throw InputError when the command does not have it.
 double commanded(const CommandedState& command, const std::string& joint);
-/// One of two values by the direction of a joint's last motion; their mean where that is not known.
-double byDirection(const CommandedState& command, const std::string& joint, double positive, double negative);
+/// The value of one of two curves at the position of a joint, by the direction of its last motion; the mean
+/// of both where that is not known. @throw InputError as commanded().
+double byDirection(const CommandedState& command, const std::string& joint, const Curve& positive,
+                   const Curve& negative);
 /// A number of a joint in the unit of its table to SI: mm, or degrees of joints called a, b, c.
 double jointUnit(const std::string& joint);
 /// Each number times a unit.

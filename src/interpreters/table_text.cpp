@@ -154,7 +154,7 @@ bool KeyedValues::hasAny(const std::string& start) const {
 }
 
 const TextLine& KeyedValues::need(const std::string& key) const {
-  if (!has(key)) refuse(whole_, key + " is missing");
+  if (!has(key)) mm::refuse(whole_, key + " is missing");
   return *find(key);
 }
 
@@ -179,8 +179,12 @@ bool KeyedValues::flag(const std::string& key, bool missing) const {
 
 void KeyedValues::only(const std::string& key, int only) const {
   if (number(key, only) != only)
-    refuse(place(key), key + ": " + find(key)->text + " is not read, only " + std::to_string(only) +
-                           "; docs/interpreters.md tells of which tables the rules are known");
+    refuse(key, find(key)->text + " is not read, only " + std::to_string(only) +
+                    "; docs/interpreters.md tells of which tables the rules are known");
+}
+
+void KeyedValues::refuse(const std::string& key, const std::string& what) const {
+  mm::refuse(place(key), key + ": " + what);
 }
 
 std::vector<ConfigSection> configSections(const std::filesystem::path& file) {

@@ -101,6 +101,8 @@ class KeyedValues {
   bool flag(const std::string& key, bool missing) const;  ///< 0 or 1
   /// @throw InputError where it says another number than the only one of which the interpreter has the rules.
   void only(const std::string& key, int number) const;
+  [[noreturn]] void refuse(const std::string& key,
+                           const std::string& what) const;  ///< "file:line: key: what"
 
  private:
   FilePlace whole_;
