@@ -95,7 +95,6 @@ void DeviceLink::connect(double timeout, int lent) {
       port->serial->set_option(asio::serial_port::parity(asio::serial_port::parity::none));
       port->serial->set_option(asio::serial_port::stop_bits(asio::serial_port::stop_bits::one));
       port->serial->set_option(asio::serial_port::flow_control(asio::serial_port::flow_control::none));
-      port->serial->native_handle();
     }
   } catch (const boost::system::system_error& e) {
     throw Error(address_ + ": cannot be opened: " + e.code().message());

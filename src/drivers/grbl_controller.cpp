@@ -109,7 +109,10 @@ void GrblController::awaitReady(double seconds) {
           throw InputError(link_->address() + ": the control reports " +
                            std::to_string(report_.machine.size()) + " axes, " +
                            std::to_string(map_->needed()) + " are needed; is it built for that many?");
-        return requireSettings();
+        if (std::abs(setting(13)) > 0.0)
+          throw InputError(link_->address() +
+                           ": the control reports in inches ($13=1), mm are needed; set $13=0");
+        return;
       }
       if (steadySeconds() >= next) {
         next = steadySeconds() + 0.05;
@@ -125,11 +128,6 @@ void GrblController::awaitReady(double seconds) {
   if (!trouble_.empty()) why = trouble_;
   throw Error(link_->address() + " does not answer as grbl 1.1 or grblHAL: " + why +
               "; check its power supply, the address and the baud rate");
-}
-
-void GrblController::requireSettings() const {
-  if (std::abs(setting(13)) > 0.0)
-    throw InputError(link_->address() + ": the control reports in inches ($13=1), mm are needed; set $13=0");
 }
 
 void GrblController::reconnect() {

@@ -87,7 +87,6 @@ class GrblController final : public AxisController {
   void endReset();
   void requireNoStop() const;
   double setting(int id) const;  // NaN: it was not told
-  void requireSettings() const;
   std::string block(const std::vector<double>& target, const std::vector<double>& from, double seconds) const;
   void begin();
   void awaitReady(double seconds);

@@ -243,9 +243,9 @@ void GrblController::takeAnswer(int code) {
   }
   if (!last || task_ == Task::kNone) return;
   answered_ = true;
-  taskBegan_ =
-      task_ == Task::kHoming ? steadySeconds() : taskBegan_;  // a report from now on has the new zero
-  if (task_ == Task::kHoming) questions_.clear();
+  if (task_ != Task::kHoming) return;
+  taskBegan_ = steadySeconds();  // a report from now on has the new zero
+  questions_.clear();
 }
 
 void GrblController::takeAlarm(int code) {

@@ -94,10 +94,10 @@ std::optional<GrblReport> parseGrblReport(const std::string& line) {
   const std::size_t colon = fields[0].find(':');
   report.state = fields[0].substr(0, colon);
   if (report.state.empty()) return std::nullopt;
-  double value = 0.0;
   if (colon != std::string::npos) {
-    if (!number(fields[0].substr(colon + 1), value) || value < 0.0 || value > kMostCode) return std::nullopt;
-    report.substate = static_cast<int>(value);
+    const std::optional<int> substate = codeAfter(fields[0], report.state + ":");
+    if (!substate) return std::nullopt;
+    report.substate = *substate;
   }
   for (std::size_t f = 1; f < fields.size(); ++f) {
     const std::size_t at = fields[f].find(':');

@@ -17,24 +17,18 @@ constexpr int kHere = 5420;          // the first of LinuxCNC's parameters of wh
 constexpr double kStopAgain = 0.25;  // s until an emergency stop is said again
 constexpr double kStopRefused = 1.5;  // s until that is hopeless
 
-constexpr const char* kGone[] = {"address", "connect_password", "enable_password"};
-
-void refuseGoneParameters(const ControllerSetup& setup) {
-  for (const char* name : kGone)
-    if (setup.parameters.count(name) > 0)
-      throw InputError(
-          "parameter '" + std::string(name) +
-          "' of the linuxcnc controller is not used: the driver talks to LinuxCNC through its Python module, "
-          "without linuxcncrsh; remove it, and run the driver on LinuxCNC's computer as its user");
-}
-
 }  // namespace
 
 LinuxCncController::LinuxCncController() = default;
 LinuxCncController::~LinuxCncController() { close(); }
 
 void LinuxCncController::open(const ControllerSetup& setup) {
-  refuseGoneParameters(setup);
+  for (const char* gone : {"address", "connect_password", "enable_password"})
+    if (setup.parameters.count(gone) > 0)
+      throw InputError(
+          "parameter '" + std::string(gone) +
+          "' of the linuxcnc controller is not used: the driver talks to LinuxCNC through its Python module, "
+          "without linuxcncrsh; remove it, and run the driver on LinuxCNC's computer as its user");
   refuseUnknownParametersOf(setup, "linuxcnc",
                             {"axes", "sign", "zero", "coordinates", "poll_rate", "servo_period",
                              "connect_timeout", "homing_timeout", "silence", "dead_man", "helper"});
@@ -84,24 +78,24 @@ void LinuxCncController::begin() {
   if (!last_)
     throw Error(watch_->connected() ? "LinuxCNC reports no state; is its task running?"
                                     : "linuxcnc_helper has exited");
-  const std::string why = unfit(*last_);
-  if (!why.empty()) throw InputError(why);
+  requireFit(*last_);
   giveBack_ = holding_ || last_->override == 0.0;  // a hold that nobody is left to end
   holding_ = false;
 }
 
 // Positions come in the units of the machine, whatever those of the program are.
-std::string LinuxCncController::unfit(const LinuxCncState& first) const {
+void LinuxCncController::requireFit(const LinuxCncState& first) const {
   for (std::size_t j = 0; j < map_->size(); ++j)
     if ((first.axes >> map_->place(j) & 1) == 0)
-      return std::string("LinuxCNC has no axis ") + map_->letter(j) + ", which moves joint '" +
-             map_->names()[j] + "': see COORDINATES in [TRAJ] of its .ini";
+      throw InputError(std::string("LinuxCNC has no axis ") + map_->letter(j) + ", which moves joint '" +
+                       map_->names()[j] + "': see COORDINATES in [TRAJ] of its .ini");
   if (std::abs(first.linear - 1.0) > 1e-9)
-    return "LinuxCNC's linear unit is not mm: set LINEAR_UNITS = mm in [TRAJ] of its .ini, and the settings "
-           "that depend on it";
+    throw InputError(
+        "LinuxCNC's linear unit is not mm: set LINEAR_UNITS = mm in [TRAJ] of its .ini, and the settings "
+        "that depend on it");
   if (std::abs(first.angular - 1.0) > 1e-9)
-    return "LinuxCNC's angular unit is not degrees: set ANGULAR_UNITS = degree in [TRAJ] of its .ini";
-  return {};
+    throw InputError(
+        "LinuxCNC's angular unit is not degrees: set ANGULAR_UNITS = degree in [TRAJ] of its .ini");
 }
 
 void LinuxCncController::reconnect() {

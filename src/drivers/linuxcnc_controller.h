@@ -66,8 +66,8 @@ class LinuxCncController final : public AxisController {
   // Without it.
   void begin();
   void urgent(const char* word, std::atomic<double>& said);
-  std::string unfit(const LinuxCncState& first) const;  // for people; empty: it can be driven
-  std::size_t jointOf(std::size_t axis) const;          // LinuxCNC's number of the joint
+  void requireFit(const LinuxCncState& first) const;  // to be driven
+  std::size_t jointOf(std::size_t axis) const;        // LinuxCNC's number of the joint
 
   std::unique_ptr<AxisMap> map_;
   std::unique_ptr<DeviceLink> watch_, act_;

@@ -1,6 +1,7 @@
 // Homing in stages, and the way off a limit.
 #include <algorithm>
 
+#include "base/erase_if.h"
 #include "base/error.h"
 #include "drivers/motion_control.h"
 
@@ -26,12 +27,10 @@ std::vector<std::vector<std::size_t>> MotionControl::stagesOf(const std::vector<
       if (std::count(wanted.begin(), wanted.end(), j) > 0) stages.back().push_back(j);
     }
   }
-  std::vector<std::size_t> rest;
+  stages.emplace_back();
   for (const std::size_t j : wanted)
-    if (!listed[j]) rest.push_back(j);
-  stages.push_back(rest);
-  stages.erase(std::remove_if(stages.begin(), stages.end(), [](const auto& s) { return s.empty(); }),
-               stages.end());
+    if (!listed[j]) stages.back().push_back(j);
+  eraseIf(stages, [](const auto& stage) { return stage.empty(); });
   return stages;
 }
 

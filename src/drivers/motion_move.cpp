@@ -55,7 +55,7 @@ MotionControl::Report MotionControl::move(AxesMotion motion, const Mover& mover,
   if (stops_ != stopsSeen) sendStop();
   std::unique_lock<std::mutex> lock(mutex_);
   const bool cancelled = awaitEnd(lock, stopsSeen, watch);
-  if (!current_ || ending_) throw Error("the driver is shutting down");
+  if (ending_) throw Error("the driver is shutting down");
   if (cancelled || current_->forced != Outcome::kUnderWay) {
     lock.unlock();
     sendStop();
@@ -77,7 +77,6 @@ bool MotionControl::awaitEnd(std::unique_lock<std::mutex>& lock, std::uint32_t s
                              const Watch& watch) {
   while (!ending_) {
     changed_.wait_for(lock, std::chrono::milliseconds(20));
-    if (!current_) return false;
     if (stops_ != stopsSeen) force(Outcome::kStopped, "stopped by " + stoppedBy());
     if (current_->forced != Outcome::kUnderWay) return false;
     const double age = owing();
