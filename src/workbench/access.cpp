@@ -6,6 +6,7 @@
 #include <netinet/in.h>
 
 #include <algorithm>
+#include <charconv>
 #include <fstream>
 #include <optional>
 
@@ -18,13 +19,6 @@ namespace {
 
 constexpr std::size_t kLongestTarget = 1024;
 
-int digitOf(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  return -1;
-}
-
 /// Percent signs resolved; empty: one is unfinished, or a control character came out.
 std::optional<std::string> resolved(const std::string& text) {
   std::string out;
@@ -32,9 +26,10 @@ std::optional<std::string> resolved(const std::string& text) {
     char c = text[i];
     if (c == '%') {
       if (i + 2 >= text.size()) return std::nullopt;
-      const int high = digitOf(text[i + 1]), low = digitOf(text[i + 2]);
-      if (high < 0 || low < 0) return std::nullopt;
-      c = static_cast<char>(16 * high + low);
+      unsigned code = 0;
+      const char *const digits = text.data() + i + 1, *const end = digits + 2;
+      if (std::from_chars(digits, end, code, 16).ptr != end) return std::nullopt;
+      c = static_cast<char>(code);
       i += 2;
     }
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) return std::nullopt;

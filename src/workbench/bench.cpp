@@ -207,8 +207,7 @@ WebAnswer Bench::enqueue(std::deque<Task>& tasks, const std::string& name, const
     tasks.push_back({number, name, who, std::move(work)});
   }
   changed_.notify_all();
-  WebAnswer answer =
-      WebAnswer::text(jsonLine({{"number", number}, {"message", name + " begins"}}), "application/json");
+  WebAnswer answer = WebAnswer::text(jsonLine({{"number", number}, {"message", name + " begins"}}));
   answer.status = 202;
   return answer;
 }
@@ -217,7 +216,7 @@ WebAnswer Bench::get(const std::string& path) {
   if (path == "/") return page_.index(token_);
   if (std::optional<WebAnswer> part = page_.part(path)) return *part;
   if (path == "/data/contacts" && live_ != nullptr) return contacts_.of(live_->contacts());
-  if (path == "/data/log") return WebAnswer::text(log_.json(), "application/json");
+  if (path == "/data/log") return WebAnswer::text(log_.json());
   if (startsWith(path, "/data/"))
     if (std::optional<WebAnswer> found = documents_.find(path.substr(6))) {
       found->fileName.clear();
@@ -239,8 +238,7 @@ WebAnswer Bench::post(const std::string& path, const std::string& query, std::st
     const RequestBody asked(body);
     asked.refuseOthers("formula", {"direction", "formula", "start"});
     return WebAnswer::text(
-        work_.judgeFormula(asked.text("direction"), asked.text("formula"), asked.text("start")),
-        "application/json");
+        work_.judgeFormula(asked.text("direction"), asked.text("formula"), asked.text("start")));
   }
   if (startsWith(path, "/action/")) return action(path.substr(8), body, who);
   return WebAnswer::say(404, "there is no such action");

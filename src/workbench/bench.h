@@ -13,7 +13,6 @@
 
 #include "workbench/bench_log.h"
 #include "workbench/bench_work.h"
-#include "workbench/contacts_document.h"
 #include "workbench/documents.h"
 #include "workbench/page.h"
 #include "workbench/request_body.h"

@@ -56,11 +56,9 @@ fs::path BenchWork::importFolder() const {
 }
 
 fs::path BenchWork::bagFor(const std::string& output) const {
-  const std::string ending = ".bag";
   const bool plain = !output.empty() && output.front() != '.' && output == shownFileName(output) &&
                      output.find_first_of("/\\:") == std::string::npos;
-  if (!plain || output.size() <= ending.size() ||
-      output.compare(output.size() - ending.size(), ending.size(), ending) != 0)
+  if (!plain || !endsWith(output, ".bag"))
     throw InputError("'" + shownFileName(output) +
                      "' is not a plain name that ends in .bag; the bag is written into " +
                      importFolder().string());

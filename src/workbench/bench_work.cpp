@@ -4,6 +4,8 @@
 
 #include "base/error.h"
 #include "base/json_text.h"
+#include "base/names_of.h"
+#include "base/text.h"
 #include "calibration_file/calibration_fit.h"
 #include "calibration_file/calibration_yaml.h"
 #include "design/moves.h"
@@ -239,11 +241,7 @@ std::string BenchWork::calibrate(const std::string& model, const std::string& me
 
 void BenchWork::showDiagnosis(const Diagnosis& diagnosis) {
   documents_.put("diagnosis", diagnoseJson(diagnosis));
-  const std::string plan = movesYaml(diagnosis.nextMeasurement, session());
-  if (plan.empty())
-    documents_.remove("moves");
-  else
-    documents_.put("moves", plan, "application/yaml", "moves.yaml");
+  documents_.put("moves", movesYaml(diagnosis.nextMeasurement, session()), "application/yaml", "moves.yaml");
 }
 
 std::string BenchWork::diagnose() {
@@ -281,25 +279,20 @@ std::string BenchWork::judgeFormula(const std::string& direction, const std::str
     const std::lock_guard<std::mutex> lock(mutex_);
     domain = domain_;
   }
-  Json out;
   try {
     if (!domain) throw InputError("no session is open");
     if (formula.size() + start.size() > kLongestFormula)
       throw InputError("the formula has more than " + std::to_string(kLongestFormula) + " letters");
     const EffectSpec spec = formulaSpec(direction, formula, start);
     const EffectPtr effect = createEffect(spec, *domain);
-    out["ok"] = true;
-    std::string unknowns;
-    for (const Parameter& p : effect->parameters()) unknowns += (unknowns.empty() ? "" : ", ") + p.name;
-    out["message"] = unknowns.empty() ? "it has no unknown to estimate; write k1, k2 …"
-                                      : "can be added; " + unknowns + " will be estimated";
-    out["effect"] = spec.yaml();
-    if (unknowns.empty()) out["ok"] = false;
+    const std::string unknowns = joined(allNames(effect->parameters()), ", ");
+    return jsonLine({{"ok", !unknowns.empty()},
+                     {"message", unknowns.empty() ? "it has no unknown to estimate; write k1, k2 …"
+                                                  : "can be added; " + unknowns + " will be estimated"},
+                     {"effect", spec.yaml()}});
   } catch (const Error& e) {
-    out["ok"] = false;
-    out["message"] = e.what();
+    return jsonLine({{"ok", false}, {"message", e.what()}});
   }
-  return jsonLine(out);
 }
 
 }  // namespace mm

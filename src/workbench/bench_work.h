@@ -136,6 +136,7 @@ class BenchWork {
   void showMachine(const Machine& machine);
   void showStore();
   void showDiagnosis(const Diagnosis& diagnosis);
+  std::string activated(std::string message);
   void forget(std::initializer_list<const char*> documents);
   void chooseStore(const Session& session);
   void nominalResiduals();

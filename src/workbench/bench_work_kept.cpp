@@ -30,16 +30,17 @@ std::string BenchWork::use(const std::string& id) {
 
 std::string BenchWork::promote(const std::string& id) {
   CalibrationStore& kept = store();
-  const std::string message = live_ != nullptr ? live_->promote(id) : kept.promote(id) + " is active";
-  forget({"verify"});  // it was said of the one that was active before
-  showStore();
-  return message;
+  return activated(live_ != nullptr ? live_->promote(id) : kept.promote(id) + " is active");
 }
 
 std::string BenchWork::rollback(const std::string& id) {
   CalibrationStore& kept = store();
-  const std::string message = live_ != nullptr ? live_->rollback(id) : kept.rollback(id) + " is active again";
-  forget({"verify"});
+  return activated(live_ != nullptr ? live_->rollback(id) : kept.rollback(id) + " is active again");
+}
+
+/// Shows that another calibration is active now. @return the message.
+std::string BenchWork::activated(std::string message) {
+  forget({"verify"});  // it was said of the one that was active before
   showStore();
   return message;
 }
@@ -99,11 +100,8 @@ void BenchWork::showMachine(const Machine& machine) {
   if (machine.urdf() == drawnUrdf_ && origin_ == drawnOrigin_) return;
   drawnUrdf_ = machine.urdf();
   drawnOrigin_ = origin_;
-  std::string meshes = meshesDocument(drawnUrdf_, drawnOrigin_, sources_.packageFolder);
-  if (meshes.empty())
-    documents_.remove("meshes");
-  else
-    documents_.put("meshes", std::move(meshes), "application/octet-stream");
+  documents_.put("meshes", meshesDocument(drawnUrdf_, drawnOrigin_, sources_.packageFolder),
+                 "application/octet-stream");
 }
 
 std::string BenchWork::lookAt(const std::string& plan) const {

@@ -4,6 +4,7 @@ namespace mm {
 
 void Documents::put(const std::string& name, std::string body, const std::string& type,
                     const std::string& fileName) {
+  if (body.empty()) return remove(name);
   WebAnswer answer = WebAnswer::text(std::move(body), type);
   answer.fileName = fileName;
   const std::lock_guard<std::mutex> lock(mutex_);

@@ -14,7 +14,8 @@ namespace mm {
 /// numbers, and the page fetches what is new. Thread-safe.
 class Documents {
  public:
-  /// Puts a document in place of the one of that name. @param fileName not empty: to be kept under that name.
+  /// Puts a document in place of the one of that name. @param body empty: there is none any more.
+  /// @param fileName not empty: to be kept under that name.
   void put(const std::string& name, std::string body, const std::string& type = "application/json",
            const std::string& fileName = {});
   void remove(const std::string& name);                          ///< none of that name any more

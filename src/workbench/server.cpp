@@ -22,7 +22,7 @@ constexpr std::chrono::milliseconds kAfterFailure{500};    // until a state is t
 }  // namespace
 
 WebAnswer WebAnswer::say(unsigned status, const std::string& message) {
-  WebAnswer answer = text(jsonLine({{"message", message}}), "application/json");
+  WebAnswer answer = text(jsonLine({{"message", message}}));
   answer.status = status;
   return answer;
 }
@@ -119,16 +119,12 @@ void Server::acceptAt(std::chrono::steady_clock::time_point when) {
 
 void Server::admit(tcp::socket socket) {
   const auto connection = std::make_shared<HttpConnection>(std::move(socket), *this);
-  joined(connection);
+  while (waiting_.size() >= options_.mostWaiting) waiting_.front()->close();
+  waiting_.push_back(connection);
   if (waiting_.size() + trusted_.size() + sockets_.size() > options_.mostConnections)
     connection->turnAway(503, "too many connections; close other pages of the workbench");
   else
     connection->readHeader();
-}
-
-void Server::joined(const std::shared_ptr<HttpConnection>& connection) {
-  while (waiting_.size() >= options_.mostWaiting) waiting_.front()->close();
-  waiting_.push_back(connection);
 }
 
 void Server::trusted(HttpConnection* connection) {

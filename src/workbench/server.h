@@ -72,10 +72,9 @@ class Server {
  private:
   friend class HttpConnection;  // each shares the rest, in the server's own thread
   friend class LiveSocket;
-  void joined(const std::shared_ptr<HttpConnection>& connection);  ///< has shown no token yet
-  void trusted(HttpConnection* connection);                        ///< has shown it
-  void left(HttpConnection* connection);                           ///< has ended
-  void left(LiveSocket* socket);                                   ///< has ended; the handler is told
+  void trusted(HttpConnection* connection);  ///< has shown it
+  void left(HttpConnection* connection);     ///< has ended
+  void left(LiveSocket* socket);             ///< has ended; the handler is told
   /// The place for a file that is sent, kept as long as it is held; null: another has it.
   std::shared_ptr<void> placeForUpload();
   void accept();                                              // the next, once there is a place for it
@@ -92,7 +91,7 @@ class Server {
   std::vector<std::string> hosts_;
   unsigned port_ = 0;
   RateLimit rate_;
-  std::list<std::shared_ptr<HttpConnection>> waiting_, trusted_;  // oldest first
+  std::list<std::shared_ptr<HttpConnection>> waiting_, trusted_;  // without the token, and with; oldest first
   std::list<std::shared_ptr<LiveSocket>> sockets_;
   std::weak_ptr<void> upload_;
   std::uint64_t clients_ = 0, sequence_ = 0;

@@ -276,6 +276,28 @@ std::string pointsDocument(const CalibrationResult& fit, const EarlierResiduals&
                    {"balls", std::move(balls)}});
 }
 
+WebAnswer ContactsDocument::of(const std::vector<Eigen::Vector3d>& contacts) {
+  const bool sameSession =
+      count_ > 0 && count_ <= contacts.size() && contacts.front() == first_ && contacts[count_ - 1] == last_;
+  if (!sameSession) {
+    list_.clear();
+    count_ = 0;
+    body_ = nullptr;
+  }
+  if (count_ < contacts.size() || !body_) {
+    for (; count_ < contacts.size(); ++count_)
+      list_ += (count_ > 0 ? "," : "") + roundedList(contacts[count_] / kMillimetre, kPlaceStep).dump();
+    if (count_ > 0) {
+      first_ = contacts.front();
+      last_ = contacts[count_ - 1];
+    }
+    body_ = std::make_shared<const std::string>("{\"at_mm\":[" + list_ + "]}");
+  }
+  WebAnswer answer;
+  answer.body = body_;
+  return answer;
+}
+
 std::string heatDocument(const Session& session) {
   return jsonLine({{"temperatures", seriesJson(session.temperatures, "degC")},
                    {"covariates", seriesJson(session.covariates, "")}});

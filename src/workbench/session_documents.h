@@ -1,9 +1,12 @@
 #pragma once
 #include <Eigen/Core>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "estimation/calibrate.h"
 #include "session/session.h"
+#include "workbench/web_handler.h"
 
 namespace mm {
 
@@ -25,6 +28,20 @@ struct EarlierResiduals {
 /// Every residual with everything that was recorded of it, column by column: the page draws any against any.
 /// @param earlier left out where its size is another.
 std::string pointsDocument(const CalibrationResult& fit, const EarlierResiduals& earlier);
+
+/// The contacts of a live session as they come. Each is written once, however many pages ask however often:
+/// there may be 100,000.
+class ContactsDocument {
+ public:
+  /// @param contacts nominal tips so far, m, workpiece. @return `{"at_mm": [[x, y, z], …]}`.
+  WebAnswer of(const std::vector<Eigen::Vector3d>& contacts);
+
+ private:
+  std::string list_;  // what is written of it
+  std::size_t count_ = 0;
+  Eigen::Vector3d first_ = Eigen::Vector3d::Zero(), last_ = Eigen::Vector3d::Zero();
+  std::shared_ptr<const std::string> body_;
+};
 
 /// Temperatures and covariates against time, thinned to what can be seen.
 std::string heatDocument(const Session& session);

@@ -23,8 +23,7 @@ void setOctal(char (&field)[Size], unsigned long long value) {
 }
 
 Header headerOf(const std::string& path, std::size_t size, std::time_t now) {
-  Header header;
-  std::memset(&header, 0, sizeof header);
+  Header header{};
   if (path.size() >= sizeof header.name)
     throw InputError("'" + path + "' has " + std::to_string(path.size()) + " characters; a tar allows " +
                      std::to_string(sizeof header.name - 1));

@@ -17,7 +17,7 @@ struct WebAnswer {
   /// `{"message": …}`: refusals and confirmations are sentences.
   static WebAnswer say(unsigned status, const std::string& message);
   /// A text of its own.
-  static WebAnswer text(std::string body, std::string type);
+  static WebAnswer text(std::string body, std::string type = "application/json");
 };
 
 /// What stands behind the server. Every call comes from the server's own thread, one at a time, from clients
