@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "ros_bridge/axis_messages.h"
 #include "ros_bridge/node_support.h"
 #include "session/csv_cells.h"
 
@@ -208,9 +207,7 @@ void AxisDriver::cycle(double elapsed) {
         trackers_[j].take(ns, seen->state.position[j], seen->state.velocity[j]);
         travel_[j] = static_cast<std::int8_t>(trackers_[j].direction());
       }
-      for (const ProbeEdge& trip : seen->trips)
-        publishLatch(toLatchMessage(trip, control_.axes(), stampOf(trip.time, control_.toHost(trip.time)),
-                                    trip.probing ? probed() : Meant()));
+      for (const ProbeEdge& trip : seen->trips) publishLatch(trip, trip.probing ? probed() : Meant());
       if (stamp > lastStamp_) publishJoints(*seen, stamp);
       publishTemperatures(stamp);
       lastStamp_ = std::max(stamp, lastStamp_);
@@ -248,13 +245,13 @@ Meant AxisDriver::probed() {
 
 bool AxisDriver::latchLaser(const Meant& meant) {
   const std::optional<ProbeEdge> reading = control_.readLaser();
-  if (reading)
-    publishLatch(toLatchMessage(*reading, control_.axes(),
-                                stampOf(reading->time, control_.toHost(reading->time)), meant));
+  if (reading) publishLatch(*reading, meant);
   return reading.has_value();
 }
 
-void AxisDriver::publishLatch(measuring_machine::ProbeLatch latch) {
+void AxisDriver::publishLatch(const ProbeEdge& edge, const Meant& meant) {
+  const ros::Time stamp = stampOf(edge.time, control_.toHost(edge.time));
+  measuring_machine::ProbeLatch latch = toLatchMessage(edge, control_.axes(), stamp, meant);
   latch.header.frame_id = prefix_ + latch.header.frame_id;
   latchOut_.publish(latch);
 }

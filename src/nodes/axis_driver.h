@@ -79,7 +79,7 @@ class AxisDriver {
   void publishStatus(const MotionControl::View& view, const ros::Time& stamp);
   void publishMotion(const MotionControl::View& view, const ros::Time& stamp);
   Meant probed();
-  void publishLatch(measuring_machine::ProbeLatch latch);
+  void publishLatch(const ProbeEdge& edge, const Meant& meant);
   void publishTemperatures(const ros::Time& stamp);
   ros::Time stampOf(double controllerTime, double host) const;
 
@@ -117,7 +117,6 @@ class AxisDriver {
   MotionControl control_;
 
   // Of the loop's thread.
-  MotionControl::Observation last_;
   ros::Time homedAt_, lastStamp_;
   TimeWatch time_;
   std::vector<TravelTracker> trackers_;          // of each axis

@@ -4,7 +4,6 @@
 
 #include "base/error.h"
 #include "nodes/axis_driver.h"
-#include "ros_bridge/axis_messages.h"
 #include "ros_bridge/node_support.h"
 
 namespace mm {
