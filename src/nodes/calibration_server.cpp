@@ -62,8 +62,7 @@ std::string inLines(const std::string& sentence) {
 }  // namespace
 
 CalibrationServer::CalibrationServer(ros::NodeHandle node, ros::NodeHandle own, const Machine& machine)
-    : node_(node),
-      own_(own),
+    : own_(own),
       machine_(machine),
       store_(storeFolder(own, machine)),
       threads_(static_cast<unsigned>(numberParameter(own, "threads", 0, 0, 1024))),
@@ -160,11 +159,11 @@ CalibrationServer::SessionPtr CalibrationServer::openSession(const std::string& 
   const std::string recorded = beside ? bag.substr(0, bag.size() - 1) : bag;
   Session session =
       readSessionBags(bagPaths(recorded), [this](double share) { job_.step("reading the bag", share); },
-                      &fallback, {node_.getNamespace(), false});
+                      &fallback, {machineSpace(), false});
   if (beside) session = joined({std::move(session), live_.session(fallback)});
   if (!session.warning.empty()) ROS_WARN("%s: %s", bag.c_str(), session.warning.c_str());
   for (const std::string& line : setAsideLines(session)) ROS_WARN("%s: %s", bag.c_str(), line.c_str());
-  return opened(std::move(session), beside ? machineSpace() : bagSpace(recorded, node_.getNamespace()));
+  return opened(std::move(session), beside ? machineSpace() : bagSpace(recorded, machineSpace()));
 }
 
 /// The session that a calibration was made from: the last one used, its bag, or the live one.

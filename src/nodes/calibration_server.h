@@ -78,7 +78,7 @@ class CalibrationServer {
   void diagnoseNode(diagnostic_updater::DiagnosticStatusWrapper& status);
   void publishProgress(const Job::State& state);
 
-  ros::NodeHandle node_, own_;
+  ros::NodeHandle own_;
   Machine machine_;
   CalibrationStore store_;
   unsigned threads_;
