@@ -3,7 +3,6 @@
 #include <chrono>
 #include <filesystem>
 
-#include "base/error.h"
 #include "base/requested_file.h"
 #include "interpreters/loaded_compensation.h"
 #include "ros_bridge/message_conversion.h"
@@ -150,19 +149,19 @@ void MeasureNode::execute(const measuring_machine::MeasureGoalConstPtr& goal) {
   paused_ = false;
   stand_.clear();
   retried_ = left_ = 0;
-  const auto fill = [&](const std::string& message) {
+  const auto fill = [&](const std::string& message, bool failed = false) {
     result.contacts = feedback_.contacts;
     result.missed = feedback_.missed;
     result.next = feedback_.move;
     result.message = message;
     const std::lock_guard<std::mutex> lock(saidMutex_);
     said_ = message;
+    failed_ = failed;
     running_ = false;
   };
   {
     const std::lock_guard<std::mutex> lock(saidMutex_);
     running_ = true;
-    failed_ = false;
     blockedWays_.clear();
   }
   if (server_.isPreemptRequested()) cancel_ = true;  // asked for before the goal's turn had come
@@ -202,11 +201,7 @@ void MeasureNode::execute(const measuring_machine::MeasureGoalConstPtr& goal) {
     server_.setPreempted(result, result.message);
   } catch (const std::exception& e) {
     ROS_ERROR("measurement ended: %s", e.what());
-    fill(e.what() + retriesInWords());
-    {
-      const std::lock_guard<std::mutex> lock(saidMutex_);
-      failed_ = true;
-    }
+    fill(e.what() + retriesInWords(), true);
     server_.setAborted(result, result.message);
   }
   cancel_ = false;  // the next goal's turn comes after this

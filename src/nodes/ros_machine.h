@@ -1,6 +1,5 @@
 #pragma once
 #include <measuring_machine/Artifact.h>
-#include <measuring_machine/AxisStatus.h>
 #include <measuring_machine/CompensationStatus.h>
 #include <measuring_machine/HomeAction.h>
 #include <measuring_machine/MeasureAction.h>
