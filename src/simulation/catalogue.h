@@ -51,8 +51,8 @@ struct Making {
   Random& random;
 
   double number(const std::string& name) const { return source.number(name); }  ///< a stated size, SI
-  /// The joint that a key names; -1: none of that name.
-  int joint(const std::string& key = "axis") const { return workshop.machine.findJoint(source.key(key)); }
+  /// The joint that the key `axis` names; -1: none of that name.
+  int joint() const { return workshop.machine.findJoint(source.key("axis")); }
   void add(SourceLaw law) const;
 };
 

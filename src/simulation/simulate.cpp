@@ -212,16 +212,15 @@ class Recorder {
   TrueArtifact flat_;  // as it lies where its file says
 };
 
-enum class Hide { kNothing, kAsked };
-
-SimulatedInstrument makeInstrument(const Machine& machine, const Plan& plan, const SimulationRequest& request,
-                                   Hide hide);
-
 /// What an instrument without errors goes through at each measurement of a plan.
-std::vector<Condition> rehearse(const Machine& machine, const Plan& plan, const SimulationRequest& request) {
+std::vector<Condition> rehearse(const Machine& machine, const Plan& plan, InstrumentSettings settings,
+                                const Physics& sound, const SimulationRequest& request) {
+  // What is hidden may depend on where a session goes, but not on how rough it is.
+  settings.rough = {};
   SimulationRequest uncorrected = request;
   uncorrected.correction = nullptr;
-  Recorder recorder(plan, uncorrected, makeInstrument(machine, plan, uncorrected, Hide::kNothing));
+  Recorder recorder(plan, uncorrected,
+                    {SimulatedMachine(machine, plan.artifact, settings, sound, request.seed), {}, {}});
   for (const PlanMove& move : plan.moves) recorder.run(move);
   const Simulation run = recorder.finish();
   std::vector<Condition> visits;
@@ -249,12 +248,12 @@ void roughen(const Machine& machine, const Plan& plan, const InstrumentSettings&
   }
 }
 
-SimulatedInstrument makeInstrument(const Machine& machine, const Plan& plan, const SimulationRequest& request,
-                                   Hide hide) {
+}  // namespace
+
+SimulatedInstrument makeInstrument(const Machine& machine, const Plan& plan,
+                                   const SimulationRequest& request) {
   InstrumentSettings settings = InstrumentSettings::parse(plan.text, plan.source);
   settings.rough.change(request.rough, "--rough");
-  // What is hidden may depend on where a session goes, but not on how rough it is.
-  if (hide == Hide::kNothing) settings.rough = {};
   const Chain chain(machine);
   const ThermalModel thermal = settings.thermalModel();
   Physics physics;
@@ -273,9 +272,10 @@ SimulatedInstrument makeInstrument(const Machine& machine, const Plan& plan, con
   physics.artifact.scatterFree(plan.artifact, settings.placement.freeCentres, placing);
   if (settings.placement.form > 0.0) physics.artifact.roughen(settings.placement.form, placing);
 
+  const Physics sound = physics;
   std::vector<Condition> visits;
   const auto rehearsed = [&]() -> const std::vector<Condition>& {
-    if (visits.empty()) visits = rehearse(machine, plan, request);
+    if (visits.empty()) visits = rehearse(machine, plan, settings, sound, request);
     return visits;
   };
   Workshop workshop{machine, chain, plan.artifact, thermal, settings, false, {}, {}, physics, rehearsed};
@@ -289,19 +289,14 @@ SimulatedInstrument makeInstrument(const Machine& machine, const Plan& plan, con
       sources.push_back(hideSource(texts[i], where, request.seed, stream + std::to_string(i), workshop));
     return sources;
   };
-  std::vector<HiddenSource> known, hidden;
-  if (hide == Hide::kAsked) {
-    roughen(machine, plan, settings, request.seed, rehearsed, physics);
-    known = hideAll(settings.errors, plan.source + ": errors", "known ");
-    hidden = hideAll(request.hide, "--hide", "hidden ");
-  }
+  roughen(machine, plan, settings, request.seed, rehearsed, physics);
+  std::vector<HiddenSource> known = hideAll(settings.errors, plan.source + ": errors", "known "),
+                            hidden = hideAll(request.hide, "--hide", "hidden ");
   SimulatedInstrument instrument{SimulatedMachine(machine, plan.artifact, settings, physics, request.seed),
                                  std::move(known), std::move(hidden)};
   if (request.correction) instrument.machine.loadCorrection(request.correction);
   return instrument;
 }
-
-}  // namespace
 
 SimulatedRepeatability repeatabilityOf(const Machine& machine, const Plan& plan, const NoiseSettings& noise) {
   double linear = 0.0, angular = 0.0;
@@ -324,11 +319,6 @@ SimulatedRepeatability repeatabilityOf(const Machine& machine, const Plan& plan,
   if (lengths > 0) size.linear = std::sqrt(linear / lengths);
   if (angles > 0) size.angular = std::sqrt(angular / angles);
   return size;
-}
-
-SimulatedInstrument makeInstrument(const Machine& machine, const Plan& plan,
-                                   const SimulationRequest& request) {
-  return makeInstrument(machine, plan, request, Hide::kAsked);
 }
 
 Simulation simulate(const Machine& machine, const Plan& plan, const SimulationRequest& request,

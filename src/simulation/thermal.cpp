@@ -47,13 +47,10 @@ std::vector<Body> ThermalModel::usualBodies() {
 std::vector<Contact> ThermalModel::usualContacts() { return {{0, 1, 0.1}, {1, 2, 0.05}}; }
 
 int ThermalModel::findBody(const std::string& name) const {
-  for (int b = 0; b < bodyCount(); ++b)
-    if (bodyName(b) == name) return b;
-  return -1;
-}
-
-std::string ThermalModel::bodyName(int body) const {
-  return body < static_cast<int>(bodies_.size()) ? bodies_[body].name : "air";
+  const int air = bodyCount() - 1;
+  for (int b = 0; b < air; ++b)
+    if (bodies_[b].name == name) return b;
+  return name == "air" ? air : -1;
 }
 
 void ThermalModel::rates(double time, double activity, const std::vector<double>& temperatures,

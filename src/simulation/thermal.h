@@ -63,7 +63,6 @@ class ThermalModel {
   int bodyCount() const { return static_cast<int>(bodies_.size()) + 1; }
   /// @return index of a body, air included, or -1.
   int findBody(const std::string& name) const;
-  std::string bodyName(int body) const;
   /// degC, of bodies, air and followers.
   const std::vector<double>& temperatures() const { return temperatures_; }
   /// Lets `seconds` pass. @param activity share of the highest speed at which the axes move, 0 to 1.
