@@ -23,21 +23,18 @@ constexpr int kMostIsgFiles = 10, kMostIsgAxis = 65535;
 
 /// Keys of the configuration; those that say nothing of where the motors stand at rest, or of rotary axes
 /// alone, are not looked at.
-const std::vector<std::string>& isgKeys() {
-  static const std::vector<std::string> keys = [] {
-    std::vector<std::string> known = wordsBetweenBlanks(
-        "x y z a b c chain workpiece_axes negate set_to_zero alternative_model interpolation enable_splicing "
-        "diagnosis_file manual_activation filter_steps associate_to_channel use_axis_offsets");
-    for (int j = 0; j < kMostIsgFiles; ++j)
-      for (const char* key : {"file", "file_format"}) known.push_back(key + ("[" + std::to_string(j)) + "]");
-    return known;
-  }();
+std::vector<std::string> isgKeys() {
+  std::vector<std::string> keys = wordsBetweenBlanks(
+      "x y z a b c chain workpiece_axes negate set_to_zero alternative_model interpolation enable_splicing "
+      "diagnosis_file manual_activation filter_steps associate_to_channel use_axis_offsets");
+  for (int j = 0; j < kMostIsgFiles; ++j)
+    for (const char* key : {"file", "file_format"}) keys.push_back(key + ("[" + std::to_string(j)) + "]");
   return keys;
 }
 
 KeyedValues readIsgList(const std::filesystem::path& file) {
   KeyedValues list({file, 0});
-  const std::vector<std::string>& known = isgKeys();
+  const std::vector<std::string> known = isgKeys();
   for (const TextLine& line : textLines(file)) {
     const std::string_view text = trim(std::string_view(line.text).substr(0, line.text.find('#')));
     if (text.empty()) continue;
