@@ -1,7 +1,6 @@
 #include "report/certificate.h"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 
 #include "base/format.h"

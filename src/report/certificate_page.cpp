@@ -136,7 +136,7 @@ std::string figureTable(const StatedGroup& group) {
   for (const StatedFigure& f : group.figures) grouped = grouped || !f.of.empty();
   std::string html = std::string("<div class=\"wide\"><table><thead><tr>") +
                      (grouped ? "<th>Effect</th>" : "") + "<th>" + (grouped ? "Parameter" : "Quantity") +
-                     "</th><th class=\"n\">Value, " + nameOf(group.origin) + "</th>" + "<th class=\"u\">" +
+                     "</th><th class=\"n\">Value, " + nameOf(group.origin) + "</th><th class=\"u\">" +
                      group.uncertainty + "</th><th>Unit</th></tr></thead><tbody>\n";
   for (const StatedFigure& f : group.figures)
     html += "<tr>" + (grouped ? "<td>" + shown(f.of) + "</td>" : std::string()) + "<td>" + shown(f.name) +
@@ -191,8 +191,7 @@ std::string lengthSection(const LengthTable& table) {
          escapedHtml(largest.error.name) + "). Each length, for itself, keeps |E| + U within " +
          shown(table.least.inWords()) +
          " (L in mm). The largest |E| of a whole test is the largest of all its measurements; it is expected "
-         "above "
-         "the |E| of any one of them.</figcaption></figure>\n";
+         "above the |E| of any one of them.</figcaption></figure>\n";
 }
 
 /// The statement of conformity, or why there is none.
@@ -301,8 +300,7 @@ std::string storeSection(const Certificate& c) {
   if (!c.store)
     return html +
            "<p>This calibration is not in a named store of calibrations: its active periods and "
-           "comparisons with fresh points "
-           "are not recorded.</p>\n";
+           "comparisons with fresh points are not recorded.</p>\n";
   const std::vector<StoreEvent>& events = c.store->events;
   html += "<p>In the store " + escapedHtml(c.store->folder) + ". At the time of issue this calibration is " +
           (c.store->active ? "<b>active</b>" : "<b>not active</b>") + ".</p>\n";
@@ -312,8 +310,7 @@ std::string storeSection(const Certificate& c) {
   if (first > 0) html += format("<p class=\"small\">%zu earlier entries are not listed.</p>\n", first);
   html +=
       "<table><thead><tr><th>Time</th><th class=\"which\">Calibration</th><th>What</th><th "
-      "class=\"when\">Active until</th></tr></thead>"
-      "<tbody>\n";
+      "class=\"when\">Active until</th></tr></thead><tbody>\n";
   for (std::size_t i = first; i < events.size(); ++i) {
     const StoreEvent& e = events[i];
     const bool own = e.id == c.calibration.id, use = startsWith(e.what, "made active");
@@ -333,8 +330,8 @@ std::string decisionSection(const Certificate& c) {
               ? format(" (here less: the parameters have %.0f degrees of freedom)",
                        c.calibration.degreesOfFreedom)
               : std::string()) +
-         ". It was found by propagating the "
-         "distributions of all causes named through the measurement (JCGM 101:2008; the method of ISO/TS "
+         ". It was found by propagating the distributions of all causes named through the measurement (JCGM "
+         "101:2008; the method of ISO/TS "
          "15530-4).</p><p>" +
          decisionRule(c) + "</p>\n";
 }
@@ -349,7 +346,7 @@ std::string certificatePage(const Certificate& c) {
       "content=\"width=device-width, initial-scale=1\">\n<meta http-equiv=\"Content-Security-Policy\" "
       "content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action "
       "'none'\">\n<link rel=\"icon\" href=\"data:,\">\n<title>" +
-      title + " " + escapedHtml(c.number) + " – measuring machine certificate</title>\n<style>" + "\n" +
+      title + " " + escapedHtml(c.number) + " – measuring machine certificate</title>\n<style>\n" +
       webFile("certificate.css") +
       footOfPage(isSimulated(k) ? title + ", " + kSimulatedNotice : title, c.number) +
       "</style>\n</head>\n<body>\n<main>\n<h1>" + title + "</h1>\n" +
@@ -366,8 +363,7 @@ std::string certificatePage(const Certificate& c) {
   if (!c.tasks.empty()) {
     html += sectionHead("Predicted: uncertainty of measurements with the corrected machine") +
             "<p>Each task was simulated on the machine that the calibration describes. None was measured, "
-            "and these figures "
-            "are no results of an acceptance test.</p>\n";
+            "and these figures are no results of an acceptance test.</p>\n";
     html += conditionsSection(c);
     for (const CertifiedTask& task : c.tasks) html += taskSection(task);
   }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <boost/locale/utf.hpp>
-#include <cctype>
 #include <cmath>
 #include <map>
 #include <sstream>
@@ -126,8 +125,7 @@ void addStatements(XMLElement& data, const Certificate& c) {
   addLeaf(uncertainty, "dcc:norm", "JCGM 101:2008");
   addText(uncertainty, "dcc:declaration",
           "Expanded uncertainty: the standard uncertainty multiplied by the coverage factor k = 2, which for "
-          "a normal "
-          "distribution corresponds to a coverage probability of about 95 %.");
+          "a normal distribution corresponds to a coverage probability of about 95 %.");
   addDeclaration(list, "metrological traceability of the reference", c.facts.traceability);
   if (isSimulated(c.calibration)) addDeclaration(list, "origin of the session", kSimulatedNotice);
   addDeclaration(list, "decision rule", decisionRule(c));

@@ -1,5 +1,4 @@
 #include "base/quantity_words.h"
-#include "base/units.h"
 #include "diagnosis/noise_words.h"
 #include "diagnosis/wording.h"
 #include "report/json.h"

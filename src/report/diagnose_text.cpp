@@ -136,8 +136,7 @@ std::string figuresText(const Diagnosis& d) {
   if (d.noise > 0.0) text += ", noise found " + foundNoise(d);
   if (d.asked < d.residuals)
     text += format(
-        "\n"
-        "  the search used %d of %d residuals, in stretches over the whole session; sizes are from all "
+        "\n  the search used %d of %d residuals, in stretches over the whole session; sizes are from all "
         "residuals",
         d.asked, d.residuals);
   if (d.chainsDiffer > 0.0)

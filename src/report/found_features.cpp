@@ -1,7 +1,5 @@
 #include "report/found_features.h"
 
-#include <algorithm>
-
 namespace mm {
 
 std::vector<FoundFeature> foundFeatures(const CalibrationResult& result) {

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/units.h"
 #include "diagnosis/wording.h"
 #include "report/symbols_of.h"
 #include "report/text_parts.h"

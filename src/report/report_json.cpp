@@ -11,7 +11,6 @@
 #include "design/weak_directions.h"
 #include "effects/effect_words.h"
 #include "report/iso_tests_json.h"
-#include "report/json.h"
 #include "report/json_parts.h"
 #include "report/report_contents.h"
 #include "report/symbols_of.h"

@@ -1,6 +1,5 @@
 #include "report/report_vectors.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

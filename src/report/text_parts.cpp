@@ -5,7 +5,6 @@
 
 #include "base/nearest_name.h"
 #include "base/quantity_words.h"
-#include "base/units.h"
 #include "uncertainty/task_uncertainty.h"
 
 namespace mm {

@@ -5,7 +5,6 @@
 #include "base/format.h"
 #include "base/quantity_words.h"
 #include "base/text.h"
-#include "base/units.h"
 #include "effects/effect_words.h"
 #include "report/json_parts.h"
 
