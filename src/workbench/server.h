@@ -72,7 +72,7 @@ class Server {
  private:
   friend class HttpConnection;  // each shares the rest, in the server's own thread
   friend class LiveSocket;
-  void trusted(HttpConnection* connection);  ///< has shown it
+  void trusted(HttpConnection* connection);  ///< has shown the token
   void left(HttpConnection* connection);     ///< has ended
   void left(LiveSocket* socket);             ///< has ended; the handler is told
   /// The place for a file that is sent, kept as long as it is held; null: another has it.

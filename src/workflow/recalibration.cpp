@@ -50,11 +50,18 @@ void checkSessions(const Session& session, EffectSpec effect) {
         "; give the sessions before it as well");
 }
 
-std::size_t findEffect(const Calibration& calibration, const EffectSpec& effect) {
-  std::size_t i = 0;
-  while (i < calibration.effects.size() && !sameEffect(calibration.effects[i], effect, calibration.domain))
-    ++i;
-  return i;
+auto findEffect(const Calibration& calibration, const EffectSpec& effect) {
+  return std::find_if(calibration.effects.begin(), calibration.effects.end(),
+                      [&](const EffectSpec& e) { return sameEffect(e, effect, calibration.domain); });
+}
+
+/// @param whose words behind "on another machine than". @throw InputError: what differs.
+void refuseAnother(const Machine& machine, const Session& session, const std::string& whose,
+                   const std::string& remedy) {
+  const std::string difference = differenceOf(machine, session.machine, "in the session");
+  if (!difference.empty())
+    throw InputError(session.source + ": was measured on another machine ('" + session.machine.name() +
+                     "') than " + whose + ": " + difference + "; use " + remedy);
 }
 
 /// The model as it is and the model as it shall be, both fitted to the same session.
@@ -275,7 +282,7 @@ Recalibration addEffect(const Session& session, const Calibration& calibration, 
   checkMachine(calibration, session);             // the effect's joints are those of the calibrated machine
   createEffect(effect, observedDomain(session));  // its own message comes first
   checkSessions(session, effect);
-  if (findEffect(calibration, effect) < calibration.effects.size())
+  if (findEffect(calibration, effect) != calibration.effects.end())
     throw InputError(effect.yaml() + " is in the model already (" + listOf(calibration.effects) +
                      "); add another effect, or remove this one first");
   std::vector<EffectSpec> effects = calibration.effects;
@@ -285,12 +292,12 @@ Recalibration addEffect(const Session& session, const Calibration& calibration, 
 
 Recalibration removeEffect(const Session& session, const Calibration& calibration, const EffectSpec& effect,
                            const CalibrateOptions& options) {
-  const std::size_t at = findEffect(calibration, effect);
-  if (at == calibration.effects.size())
+  const auto found = findEffect(calibration, effect);
+  if (found == calibration.effects.end())
     throw InputError(effect.yaml() + " is not in the model (" + listOf(calibration.effects) +
                      "); name one of these");
   std::vector<EffectSpec> effects = calibration.effects;
-  effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(at));
+  effects.erase(effects.begin() + (found - calibration.effects.begin()));
   return refit(session, calibration, effects, "remove", effect, options);
 }
 
@@ -329,22 +336,15 @@ CalibrationResult compareCalibration(const Session& session, const Calibration& 
 }
 
 void checkMachine(const Calibration& calibration, const Session& session) {
-  const Machine calibrated(calibration.urdf, calibration.machineName);
-  const std::string difference = differenceOf(calibrated, session.machine, "in the session");
-  if (!difference.empty())
-    throw InputError(session.source + ": was measured on another machine ('" + session.machine.name() +
-                     "') than the one that was calibrated ('" + calibration.machineName +
-                     "'): " + difference + "; use a session of the machine that was calibrated");
+  refuseAnother(Machine(calibration.urdf, calibration.machineName), session,
+                "the one that was calibrated ('" + calibration.machineName + "')",
+                "a session of the machine that was calibrated");
 }
 
 void checkMachine(const ModelSpec& model, const std::filesystem::path& folder, const Session& session) {
   if (model.machine.empty()) return;
-  const Machine named = Machine::load(model.machine, folder);
-  const std::string difference = differenceOf(named, session.machine, "in the session");
-  if (difference.empty()) return;
-  throw InputError(session.source + ": was measured on another machine ('" + session.machine.name() +
-                   "') than the model's ('" + model.machine + "'): " + difference +
-                   "; use the model of the machine that measured");
+  refuseAnother(Machine::load(model.machine, folder), session, "the model's ('" + model.machine + "')",
+                "the model of the machine that measured");
 }
 
 }  // namespace mm
