@@ -13,35 +13,30 @@ namespace {
 
 constexpr double kMostCode = 255.0, kMostOverride = 1000.0;  // beyond these a line is damaged
 
-struct AlarmRow {
+struct CodeRow {
   int code;
-  bool keepsPosition;
   const char *text, *remedy;
+  bool keepsPosition = false;  // of an alarm
 };
 
-constexpr AlarmRow kAlarms[] = {
-    {kGrblHardLimit, false, "a limit switch closed",
+constexpr CodeRow kAlarms[] = {
+    {kGrblHardLimit, "a limit switch closed",
      "call ~clear_alarm, then home; where homing cannot leave the switch, ~move_off_limit first"},
-    {kGrblSoftLimit, true, "the target is beyond the controller's soft limits",
-     "call ~clear_alarm, choose another target"},
-    {3, false, "it was reset during motion, its position is lost", "call ~clear_alarm, then home again"},
-    {4, true, "the probe was closed before the probing motion", "call ~clear_alarm, retract the probe"},
-    {5, true, "the probe did not trip on the way", "call ~clear_alarm; look at the probe and the artifact"},
-    {kGrblHomingReset, false, "homing was ended by a reset", "home again"},
-    {7, false, "homing was ended by the safety door", "close it, then home again"},
-    {8, false, "homing could not leave the switch", "look at the switch, and at the setting $27"},
-    {kGrblHomingNoSwitch, false, "homing did not find the switch",
+    {kGrblSoftLimit, "the target is beyond the controller's soft limits",
+     "call ~clear_alarm, choose another target", true},
+    {3, "it was reset during motion, its position is lost", "call ~clear_alarm, then home again"},
+    {4, "the probe was closed before the probing motion", "call ~clear_alarm, retract the probe", true},
+    {5, "the probe did not trip on the way", "call ~clear_alarm; look at the probe and the artifact", true},
+    {kGrblHomingReset, "homing was ended by a reset", "home again"},
+    {7, "homing was ended by the safety door", "close it, then home again"},
+    {8, "homing could not leave the switch", "look at the switch, and at the setting $27"},
+    {kGrblHomingNoSwitch, "homing did not find the switch",
      "look at the switch, and at the travel $130 to $135"},
-    {10, false, "its emergency stop input is active", "release it, then home again"},
-    {kGrblHomingRequired, true, "homing is required", "home again"},
+    {10, "its emergency stop input is active", "release it, then home again"},
+    {kGrblHomingRequired, "homing is required", "home again", true},
 };
 
-struct ErrorRow {
-  int code;
-  const char *text, *remedy;
-};
-
-constexpr ErrorRow kErrors[] = {
+constexpr CodeRow kErrors[] = {
     {5, "homing is not enabled", "set $22=1 at the controller; of single axes, with grblHAL, $22=3"},
     {8, "it is not idle", "wait until it rests"},
     {9, "it is locked by an alarm", "call ~clear_alarm or home"},
@@ -55,6 +50,13 @@ constexpr ErrorRow kErrors[] = {
     {50, "its emergency stop input is active", "release it"},
     {kGrblCriticalEvent, "it waits for a reset", "call ~clear_alarm once more"},
 };
+
+template <typename Rows>
+Alarm meaningOf(const Rows& rows, int code, const std::string& word, const char* otherwise) {
+  for (const CodeRow& row : rows)
+    if (row.code == code) return {code, row.text, row.remedy};
+  return {code, word + " " + std::to_string(code), otherwise};
+}
 
 std::vector<std::string> split(const std::string& text, char at) {
   std::vector<std::string> parts;
@@ -168,20 +170,14 @@ bool isGrblWelcome(const std::string& line) {
 }
 
 Alarm grblAlarm(int code) {
-  for (const AlarmRow& row : kAlarms)
-    if (row.code == code) return {code, row.text, row.remedy};
-  return {code, "alarm " + std::to_string(code), "see the controller's manual; then ~clear_alarm"};
+  return meaningOf(kAlarms, code, "alarm", "see the controller's manual; then ~clear_alarm");
 }
 
-Alarm grblError(int code) {
-  for (const ErrorRow& row : kErrors)
-    if (row.code == code) return {code, row.text, row.remedy};
-  return {code, "error " + std::to_string(code), "see the controller's manual"};
-}
+Alarm grblError(int code) { return meaningOf(kErrors, code, "error", "see the controller's manual"); }
 
 bool grblAlarmKeepsPosition(int code) {
   return std::any_of(std::begin(kAlarms), std::end(kAlarms),
-                     [&](const AlarmRow& row) { return row.code == code && row.keepsPosition; });
+                     [&](const CodeRow& row) { return row.code == code && row.keepsPosition; });
 }
 
 bool grblAlarmIsLimit(int code) { return code == kGrblHardLimit || code == kGrblSoftLimit; }

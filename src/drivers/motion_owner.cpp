@@ -10,13 +10,12 @@ bool MotionOwner::leased(Clock::time_point now) const { return ticket_ != 0 && n
 std::string MotionOwner::notRenewed() const { return format("it was not renewed for %.3g s", seconds_); }
 
 void MotionOwner::refuseOthers(const Mover& mover, Clock::time_point now) const {
-  if (mover.ticket != 0 && mover.ticket != ticket_)
+  const bool another = mover.ticket != ticket_;
+  if (mover.ticket != 0 && (another || !leased(now)))
     throw Error("the ticket of '" + mover.who +
-                "' is no longer valid: " + (why_.empty() ? notRenewed() : why_));
-  if (leased(now) && mover.ticket != ticket_)
+                "' is no longer valid: " + (another && !why_.empty() ? why_ : notRenewed()));
+  if (another && leased(now))
     throw Error("the axes belong to '" + holder_ + "' now; wait until it has ended, or end it with ~stop");
-  if (mover.ticket != 0 && !leased(now))
-    throw Error("the ticket of '" + mover.who + "' is no longer valid: " + notRenewed());
 }
 
 std::uint64_t MotionOwner::take(const Mover& mover, double seconds) {

@@ -35,11 +35,6 @@ std::string lastOf(const std::string& text) {
 
 void cutLast(std::string& text) { text.resize(text.rfind(':')); }
 
-bool isThere(const std::string& path) {
-  std::error_code ignored;
-  return std::filesystem::exists(path, ignored);
-}
-
 }  // namespace
 
 bool isSerialAddress(const std::string& address) {
@@ -53,7 +48,7 @@ SerialAddress parseSerialAddress(const std::string& address, bool withBits, cons
   std::string rest = address[0] == '/' ? address : address.substr(std::strlen(kPrefix));
   if (rest.empty() || rest[0] != '/')
     throw InputError(where + " names no device, whose path begins with /; write " + form);
-  if (!isThere(rest)) {
+  if (std::error_code ignored; !std::filesystem::exists(rest, ignored)) {
     if (withBits && lastOf(rest).size() == 3) {
       std::string before = rest;
       cutLast(before);

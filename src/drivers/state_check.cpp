@@ -26,12 +26,10 @@ std::string StateCheck::sizes(const AxesState& state) const {
            " axes; does it belong to this machine?";
   };
   if (state.position.size() != axes) return wrong("positions", state.position.size());
-  if (state.velocity.size() != axes && !state.velocity.empty())
-    return wrong("velocities", state.velocity.size());
-  if (state.limitSwitch.size() != axes && !state.limitSwitch.empty())
-    return wrong("limit switches", state.limitSwitch.size());
-  if (state.axisHomed.size() != axes && !state.axisHomed.empty())
-    return wrong("homing flags", state.axisHomed.size());
+  for (const auto& [what, size] :
+       {std::pair("velocities", state.velocity.size()), std::pair("limit switches", state.limitSwitch.size()),
+        std::pair("homing flags", state.axisHomed.size())})
+    if (size != axes && size != 0) return wrong(what, size);
   for (std::size_t j = 0; j < axes; ++j)
     if (!std::isfinite(state.position[j]))
       return "the controller's position of " + joints_[j].name + " is not a number";
