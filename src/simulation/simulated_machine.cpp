@@ -193,12 +193,6 @@ std::optional<Trip> SimulatedMachine::readLaser() {
   return nearest;
 }
 
-std::optional<Trip> SimulatedMachine::takeTrip() {
-  std::optional<Trip> trip;
-  trip.swap(trip_);
-  return trip;
-}
-
 /// A star, or a tracker's target: the readings at which the perfect machine would look where this one does.
 /// The line of sight is square to both axes when the readings are zero.
 double SimulatedMachine::sightDeviation(int joint, const ProbePose& truth) const {

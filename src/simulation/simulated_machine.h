@@ -2,6 +2,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "session/session.h"
@@ -58,7 +59,7 @@ class SimulatedMachine {
   /// Since the last call of `takeTrip`.
   bool tripped() const { return trip_.has_value(); }
   bool touching() const { return touching_; }  ///< after the last `step`
-  std::optional<Trip> takeTrip();
+  std::optional<Trip> takeTrip() { return std::exchange(trip_, std::nullopt); }
   /// Goes straight towards the readings until the tip touches the feature; stops there.
   /// @param speed of the tip, m/s. @return nothing when the target is reached without contact.
   std::optional<Trip> touch(const std::vector<double>& target, double speed, int feature);
