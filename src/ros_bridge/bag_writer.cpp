@@ -4,6 +4,7 @@
 #include <rosbag/constants.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
@@ -31,11 +32,6 @@ std::string withLength(const std::string& part) {
 
 /// Seconds in the low, nanoseconds in the high half: the eight bytes of a stamp in a bag.
 std::uint64_t packed(const ros::Time& time) { return static_cast<std::uint64_t>(time.nsec) << 32 | time.sec; }
-
-bool earlier(std::uint64_t a, std::uint64_t b) {
-  const auto ns = [](std::uint64_t t) { return (t & 0xffffffffU) * 1000000000ULL + (t >> 32); };
-  return ns(a) < ns(b);
-}
 
 }  // namespace
 
@@ -93,7 +89,7 @@ BagWriter::Connections::iterator BagWriter::addConnection(const std::string& top
 
 /// The head of a message's record; returns where its `size` bytes go.
 std::uint8_t* BagWriter::beginMessage(Connection& connection, const ros::Time& time, std::uint32_t size) {
-  connection.entries.push_back({packed(time), static_cast<std::uint32_t>(chunk_.size())});
+  connection.entries.push_back({time, static_cast<std::uint32_t>(chunk_.size())});
   chunk_ += withLength(op(rosbag::OP_MSG_DATA) + field(rosbag::CONNECTION_FIELD_NAME, bytes(connection.id)) +
                        field(rosbag::TIME_FIELD_NAME, bytes(packed(time))));
   chunk_ += bytes(size);
@@ -103,17 +99,15 @@ std::uint8_t* BagWriter::beginMessage(Connection& connection, const ros::Time& t
 
 void BagWriter::writeChunk() {
   if (chunk_.empty()) return;
-  ChunkInfo info{position_, 0, 0, {}};
+  ChunkInfo info{position_, ros::TIME_MAX, ros::Time(), {}};
   std::string index;
-  bool first = true;
   for (auto& [topic, connection] : connections_) {
     if (connection.entries.empty()) continue;
     std::string data;
     for (const Entry& e : connection.entries) {
-      data += bytes(e.time) + bytes(e.offset);
-      if (first || earlier(e.time, info.start)) info.start = e.time;
-      if (first || earlier(info.end, e.time)) info.end = e.time;
-      first = false;
+      data += bytes(packed(e.time)) + bytes(e.offset);
+      info.start = std::min(info.start, e.time);
+      info.end = std::max(info.end, e.time);
     }
     const auto count = static_cast<std::uint32_t>(connection.entries.size());
     info.counts[connection.id] = count;
@@ -148,8 +142,8 @@ void BagWriter::close() {
         withLength(op(rosbag::OP_CHUNK_INFO) +
                    field(rosbag::VER_FIELD_NAME, bytes(rosbag::CHUNK_INFO_VERSION)) +
                    field(rosbag::CHUNK_POS_FIELD_NAME, bytes(info.position)) +
-                   field(rosbag::START_TIME_FIELD_NAME, bytes(info.start)) +
-                   field(rosbag::END_TIME_FIELD_NAME, bytes(info.end)) +
+                   field(rosbag::START_TIME_FIELD_NAME, bytes(packed(info.start))) +
+                   field(rosbag::END_TIME_FIELD_NAME, bytes(packed(info.end))) +
                    field(rosbag::COUNT_FIELD_NAME, bytes(static_cast<std::uint32_t>(info.counts.size())))) +
         withLength(counts));
   }

@@ -44,7 +44,7 @@ class BagWriter {
  private:
   static constexpr std::size_t kChunk = 768 * 1024;  // bytes, as rosbag
   struct Entry {
-    std::uint64_t time;
+    ros::Time time;
     std::uint32_t offset;  // in the chunk
   };
   struct Connection {
@@ -53,7 +53,8 @@ class BagWriter {
     std::vector<Entry> entries;  // of the open chunk
   };
   struct ChunkInfo {
-    std::uint64_t position, start, end;
+    std::uint64_t position;
+    ros::Time start, end;                           // stamps of its messages
     std::map<std::uint32_t, std::uint32_t> counts;  // messages of each connection
   };
   using Connections = std::map<std::string, Connection>;

@@ -66,13 +66,11 @@ void MasterWatch::run() {
   }
 }
 
-bool MasterWatch::call(const std::string& method, const std::string& a, const std::string& b,
-                       const std::string& c, XmlRpc::XmlRpcValue& answer) const {
+bool MasterWatch::call(const std::string& method, const std::vector<std::string>& words,
+                       XmlRpc::XmlRpcValue& answer) const {
   XmlRpc::XmlRpcValue request, response;
-  int n = 0;
-  request[n++] = ros::this_node::getName();
-  for (const std::string* text : {&a, &b, &c})
-    if (!text->empty()) request[n++] = *text;
+  request[0] = ros::this_node::getName();
+  for (const std::string& word : words) request[request.size()] = word;
   return ros::master::execute(method, request, response, answer, false);
 }
 
@@ -81,7 +79,7 @@ void MasterWatch::look() {
   XmlRpc::XmlRpcValue answer;
   // A new master knows the node as soon as this asks it for a parameter (every line of the log does), though
   // no topic of it: so the master itself is told from the one before, and one of the services must be found.
-  if (!call("getPid", "", "", "", answer)) {
+  if (!call("getPid", {}, answer)) {
     if (!known_) return;
     if (!away_)
       ROS_ERROR(
@@ -93,11 +91,11 @@ void MasterWatch::look() {
   }
   const int pid = static_cast<int>(answer);
   if (!known_) {
-    if (!call("lookupNode", self, "", "", answer)) return;  // not registered yet
+    if (!call("lookupNode", {self}, answer)) return;  // not registered yet
     master_ = pid;
   }
-  const bool same = pid == master_ && call("lookupNode", self, "", "", answer) &&
-                    (services_.empty() || call("lookupService", services_.begin()->first, "", "", answer));
+  const bool same = pid == master_ && call("lookupNode", {self}, answer) &&
+                    (services_.empty() || call("lookupService", {services_.begin()->first}, answer));
   if (!same) {
     away_ = false;
     if (registerAgain()) master_ = pid;
@@ -114,12 +112,11 @@ void MasterWatch::look() {
 void MasterWatch::remember() {
   const std::string self = ros::this_node::getName();
   XmlRpc::XmlRpcValue state;
-  if (call("getSystemState", "", "", "", state) && state.size() == 3) {
+  if (call("getSystemState", {}, state) && state.size() == 3) {
     for (int i = 0; i < state[2].size(); ++i) {
       const std::string service = state[2][i][0];
       XmlRpc::XmlRpcValue uri;
-      if (has(state[2][i][1], self) && services_.count(service) == 0 &&
-          call("lookupService", service, "", "", uri))
+      if (has(state[2][i][1], self) && services_.count(service) == 0 && call("lookupService", {service}, uri))
         services_[service] = static_cast<std::string>(uri);
     }
   }
@@ -142,15 +139,15 @@ bool MasterWatch::registerAgain() {
   ros::V_string topics;
   ros::TopicManager::instance()->getSubscribedTopics(topics);
   for (const std::string& topic : topics) {
-    done = call("registerSubscriber", topic, "*", node, answer) && done;
+    done = call("registerSubscriber", {topic, "*", node}, answer) && done;
     tellPublishers(topic, answer);
   }
   ros::TopicManager::instance()->getAdvertisedTopics(topics);
   for (const std::string& topic : topics)
     if (const ros::PublicationPtr publication = ros::TopicManager::instance()->lookupPublication(topic))
-      done = call("registerPublisher", topic, publication->getDataType(), node, answer) && done;
+      done = call("registerPublisher", {topic, publication->getDataType(), node}, answer) && done;
   for (const auto& [service, uri] : services_)
-    done = call("registerService", service, uri, node, answer) && done;
+    done = call("registerService", {service, uri, node}, answer) && done;
   if (done)
     ROS_WARN(
         "the ROS master at %s was restarted: this node is registered again, with %zu topics and %zu services",

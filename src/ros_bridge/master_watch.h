@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace mm {
 
@@ -24,7 +25,7 @@ class MasterWatch {
   void look();
   void remember();
   bool registerAgain();  ///< false: not all could be told; tried again at the next look
-  bool call(const std::string& method, const std::string& a, const std::string& b, const std::string& c,
+  bool call(const std::string& method, const std::vector<std::string>& words,
             XmlRpc::XmlRpcValue& answer) const;
 
   bool known_ = false;  // the master knew this node once
