@@ -35,8 +35,7 @@ SortedBlocks sortedBlocks(const Session& session) {
   for (std::size_t i = 0; i < session.observations.size(); ++i) {
     const int placement = session.observations[i].placement;
     const std::optional<TrialBlock> block =
-        session.placements.empty() ? std::nullopt
-                                   : trialBlock(session.placements[static_cast<std::size_t>(placement)]);
+        session.placements.empty() ? std::nullopt : trialBlock(session.placements[placement]);
     if (!block) {
       ++sorted.outside;
       continue;
@@ -67,9 +66,9 @@ Session alone(const Session& session, const std::vector<std::size_t>& members) {
   NumberedNames placements, setups;
   for (const std::size_t i : members) {
     Observation o = session.observations[i];
-    const std::string& name = session.placements[static_cast<std::size_t>(o.placement)];
+    const std::string& name = session.placements[o.placement];
     o.placement = placements[trialBlock(name)->placement];
-    if (o.setup >= 0) o.setup = setups[session.setups[static_cast<std::size_t>(o.setup)]];
+    if (o.setup >= 0) o.setup = setups[session.setups[o.setup]];
     block.observations.push_back(std::move(o));
   }
   block.placements = placements.all();
@@ -87,8 +86,8 @@ Eigen::VectorXd withoutOutliers(const FreshPoints& points, const Eigen::VectorXd
   for (int i = 0; i < points.rows(); ++i) sizes.push_back(std::abs(left[i]));
   const double limit = kFarApart * kOfMedian * upperMedian(sizes);
   for (int i = 0; i < points.rows(); ++i)
-    if (sizes[static_cast<std::size_t>(i)] > limit) {
-      weights[points.space().used()[static_cast<std::size_t>(i)]] = 0.0;
+    if (sizes[i] > limit) {
+      weights[points.space().used()[i]] = 0.0;
       ++outliers;
     }
   if (outliers > kMostFarApart * points.rows()) outliers = 0;
@@ -111,7 +110,7 @@ std::string notJudgedIn(const Session& block) {
 void judgeAxes(const FreshPoints& points, TrialBlockFigures& found) {
   constexpr double kNothing = 1e-6;   // of the largest: rounding
   constexpr double kNotApart = 1e-4;  // of pivots of columns of length 1
-  const int count = static_cast<int>(points.axes().size());
+  const int count = points.axisCount();
   if (count < 2) return;  // one axis is the whole
   Eigen::MatrixXd columns(points.length(), count + 1);
   for (int a = 0; a < count; ++a) columns.col(a) = points.own(a);
@@ -126,9 +125,7 @@ void judgeAxes(const FreshPoints& points, TrialBlockFigures& found) {
   if (rankOf(unit, kNotApart) < unit.cols()) return;
   const Eigen::VectorXd share = leastSquares(unit, points.raw());
   for (std::size_t k = 0; k < used.size(); ++k)
-    if (used[k] < count)
-      found.ofAxis[points.axes()[static_cast<std::size_t>(used[k])]] =
-          share[static_cast<Eigen::Index>(k)] / sizes[used[k]];
+    if (used[k] < count) found.ofAxis[points.axes()[used[k]]] = share[k] / sizes[used[k]];
 }
 
 /// @param found receives the figures. @return RMS of the predicted error, m (rad).
@@ -149,10 +146,7 @@ double judge(const Session& block, const Calibration& calibration, const Calibra
   }
   found.rms = rmsOf(*points, points->raw())[0];
   judgeAxes(*points, found);
-  const Problem& problem = *points->fitted().problem;
-  const std::vector<int>& used = points->space().used();
-  angular = std::all_of(used.begin(), used.end(),
-                        [&](int row) { return problem.rows()[static_cast<std::size_t>(row)].angular; });
+  angular = points->angular();
   return rmsOf(*points, points->whole())[0];
 }
 
@@ -163,7 +157,7 @@ std::vector<std::vector<std::size_t>> runsOf(const std::vector<std::size_t>& mem
     if (i == 0 || members[i] != members[i - 1] + 1) runs.emplace_back();
     runs.back().push_back(members[i]);
   }
-  eraseIf(runs, [&](const auto& run) { return static_cast<double>(run.size()) < fewest; });
+  eraseIf(runs, [&](const auto& run) { return run.size() < fewest; });
   return runs;
 }
 
@@ -172,7 +166,7 @@ std::string howMeasured(const std::vector<std::size_t>& members,
                         const std::vector<std::vector<std::size_t>>& runs, double usual) {
   std::size_t counted = 0;
   for (const auto& run : runs) counted += run.size();
-  const bool twice = static_cast<double>(counted) > kMeasuredTwice * usual;
+  const bool twice = counted > kMeasuredTwice * usual;
   std::string how;
   if (runs.size() > 1)
     how = std::string(twice ? "was measured more than once and counts once"
@@ -194,7 +188,7 @@ double judgeRuns(const Session& session, const std::vector<std::vector<std::size
                  bool& angular) {
   double square = 0.0, remaining = 0.0, predicted = 0.0;
   std::map<std::string, int> told;  // runs that tell of an axis
-  const double count = static_cast<double>(runs.size());
+  const double count = runs.size();
   for (const std::vector<std::size_t>& run : runs) {
     TrialBlockFigures one;
     predicted += std::pow(judge(alone(session, run), calibration, options, one, angular), 2) / count;
@@ -202,14 +196,13 @@ double judgeRuns(const Session& session, const std::vector<std::vector<std::size
     remaining += one.remaining / count;
     for (const auto& [axis, share] : one.ofAxis) found.ofAxis[axis] += share / count, ++told[axis];
     found.outliers += one.outliers;
-    found.measurements += static_cast<int>(run.size());
-    for (const std::size_t i : run)
-      found.time += session.observations[i].time / static_cast<double>(run.size()) / count;
+    found.measurements += run.size();
+    for (const std::size_t i : run) found.time += session.observations[i].time / run.size() / count;
   }
   found.rms = std::sqrt(square);
   found.remaining = remaining;
   for (const auto& [axis, runsTold] : told)
-    if (runsTold < static_cast<int>(runs.size())) found.ofAxis.erase(axis);
+    if (runsTold < count) found.ofAxis.erase(axis);
   return predicted;
 }
 
@@ -222,8 +215,7 @@ TrialBlocks trialBlocks(const Session& session, const Calibration& calibration,
   found.trial = sorted.trial;
   found.planned = sorted.of;
   std::vector<double> counts;
-  for (const auto& [number, block] : sorted.blocks)
-    counts.push_back(static_cast<double>(block.second.size()));
+  for (const auto& [number, block] : sorted.blocks) counts.push_back(block.second.size());
   const double usual = upperMedian(counts);
   const auto remark = [&](int number, const std::string& what) {
     found.remarks.push_back(format("block %d ", number) + what);
@@ -273,7 +265,7 @@ TrialBlocks trialBlocks(const Session& session, const Calibration& calibration,
     }
     found.blocks.push_back(block);
   }
-  found.predicted = std::sqrt(squares / std::max<double>(1.0, static_cast<double>(found.blocks.size())));
+  found.predicted = std::sqrt(squares / std::max<double>(1.0, found.blocks.size()));
   if (judged > 0 && !(found.predicted > kNoPrediction))
     throw InputError(session.source +
                      ": the calibration predicts no error at these points, so a correction "

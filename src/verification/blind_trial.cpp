@@ -19,10 +19,10 @@ namespace {
 std::string drawnOrder(int blocks, std::uint64_t seed) {
   Random random(seed, "order of a blind trial");
   for (;;) {
-    std::string order(static_cast<std::size_t>(blocks), 'A');
+    std::string order(blocks, 'A');
     std::fill(order.begin() + blocks / 2, order.end(), 'B');
     for (int i = blocks - 1; i > 0; --i)  // Fisher and Yates
-      std::swap(order[static_cast<std::size_t>(i)], order[static_cast<std::size_t>(random.below(i + 1))]);
+      std::swap(order[i], order[random.below(i + 1)]);
     if (std::abs(correlationWithTime(order)) <= kMostWithTime) return order;
   }
 }
@@ -33,15 +33,15 @@ Plan inBlocks(const Plan& plan, const std::vector<std::size_t>& moves, const Tri
   Plan trial = plan;
   trial.placements.clear();
   trial.moves.clear();
-  const int blocks = static_cast<int>(key.order.size());
+  const int blocks = key.order.size();
   for (int b = 0; b < blocks; ++b) {
     std::map<int, int> placements;  // of the plan: of this block
     const auto add = [&](PlanMove move) {
       const auto [at, fresh] = placements.try_emplace(move.placement, trial.placements.size());
       if (fresh) {
         PlanPlacement own;
-        if (!plan.placements.empty()) own = plan.placements[static_cast<std::size_t>(move.placement)];
-        own.name = nameOf({key.trial, b + 1, blocks, key.order[static_cast<std::size_t>(b)], own.name});
+        if (!plan.placements.empty()) own = plan.placements[move.placement];
+        own.name = nameOf({key.trial, b + 1, blocks, key.order[b], own.name});
         trial.placements.push_back(std::move(own));
       }
       move.placement = at->second;
@@ -59,10 +59,10 @@ Plan inBlocks(const Plan& plan, const std::vector<std::size_t>& moves, const Tri
 }  // namespace
 
 double correlationWithTime(const std::string& order) {
-  const double n = static_cast<double>(order.size()), middle = 0.5 * (n - 1.0);
+  const double n = order.size(), middle = 0.5 * (n - 1.0);
   double ofA = 0.0, together = 0.0;
   for (std::size_t i = 0; i < order.size(); ++i)
-    if (order[i] == 'A') ofA += 1.0, together += static_cast<double>(i) - middle;
+    if (order[i] == 'A') ofA += 1.0, together += i - middle;
   const double square = ofA * (n - ofA) / n * n * (n * n - 1.0) / 12.0;
   return square > 0.0 ? together / std::sqrt(square) : 0.0;
 }
@@ -132,7 +132,7 @@ void checkKey(const TrialKey& key, const std::vector<std::string>& placements, c
     if (block->trial != key.trial)
       throw InputError(keySource + ": is the key of trial " + key.trial + ", but " + source +
                        " is of trial " + block->trial + "; name the key that was written with its plan");
-    const std::size_t at = static_cast<std::size_t>(block->number) - 1;
+    const std::size_t at = block->number - 1;
     if (block->of != static_cast<int>(key.order.size()) || at >= key.order.size() ||
         key.order[at] != block->state)
       throw InputError(source + ": '" + name + "' is in another state than " + keySource +

@@ -27,16 +27,15 @@ double quantile(double freedoms, double outside = kFalseAnswers) {
 }
 
 Eigen::VectorXd stepOf(const std::string& order) {
-  Eigen::VectorXd step(static_cast<Eigen::Index>(order.size()));
-  for (std::size_t i = 0; i < order.size(); ++i)
-    step[static_cast<Eigen::Index>(i)] = order[i] == 'B' ? 0.5 : -0.5;
+  Eigen::VectorXd step(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) step[i] = order[i] == 'B' ? 0.5 : -0.5;
   return step;
 }
 
 /// Level and trend, orthonormal columns.
 Eigen::MatrixXd levelAndTrend(const Eigen::VectorXd& time) {
   Eigen::MatrixXd trend(time.size(), 2);
-  trend.col(0).setConstant(1.0 / std::sqrt(static_cast<double>(time.size())));
+  trend.col(0).setConstant(1.0 / std::sqrt(time.size()));
   const Eigen::VectorXd centred = time.array() - time.mean();
   trend.col(1) = centred / std::max(centred.norm(), 1e-300);
   return trend;
@@ -72,10 +71,10 @@ Scatter scatterOfState(char state, const std::string& order, const Eigen::Vector
                        const Eigen::MatrixXd& maker) {
   Scatter found;
   for (Eigen::Index i = 0; i < left.size(); ++i) {
-    if (order[static_cast<std::size_t>(i)] != state) continue;
+    if (order[i] != state) continue;
     found.variance += left[i] * left[i];
     for (Eigen::Index j = 0; j < left.size(); ++j)
-      if (order[static_cast<std::size_t>(j)] == state) found.freedoms += maker(i, j) * maker(i, j);
+      if (order[j] == state) found.freedoms += maker(i, j) * maker(i, j);
   }
   constexpr double kNoFreedom = 1e-9;
   if (found.freedoms < kNoFreedom) found.freedoms = 0.0;
@@ -91,7 +90,7 @@ double halfWidth(const Eigen::VectorXd& weights, const std::string& order, const
     const Scatter& scatter = state == 'A' ? ofA : ofB;
     double part = 0.0;
     for (Eigen::Index i = 0; i < weights.size(); ++i)
-      if (order[static_cast<std::size_t>(i)] == state) part += weights[i] * weights[i] * scatter.variance;
+      if (order[i] == state) part += weights[i] * weights[i] * scatter.variance;
     square += part;
     spread += part * part / scatter.freedoms;
   }
@@ -267,11 +266,11 @@ std::string nameOf(TrialVerdict verdict) {
 
 LabelledTrial compareStates(const std::vector<TrialBlockFigures>& blocks) {
   LabelledTrial trial;
-  const auto n = static_cast<Eigen::Index>(blocks.size());
+  const Eigen::Index n = blocks.size();
   std::string order;
   Eigen::VectorXd time(n), remaining(n), logRms(n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const TrialBlockFigures& block = blocks[static_cast<std::size_t>(i)];
+    const TrialBlockFigures& block = blocks[i];
     order += block.state;
     ++(block.state == 'A' ? trial.blocksA : trial.blocksB);
     time[i] = block.time;
@@ -286,12 +285,11 @@ LabelledTrial compareStates(const std::vector<TrialBlockFigures>& blocks) {
   for (const auto& [axis, value] : axes) {
     Eigen::VectorXd y(n);
     for (Eigen::Index i = 0; i < n; ++i) {
-      const auto& ofAxis = blocks[static_cast<std::size_t>(i)].ofAxis;
+      const auto& ofAxis = blocks[i].ofAxis;
       const auto at = ofAxis.find(axis);
       y[i] = at == ofAxis.end() ? kNotMeasured : at->second;
     }
-    if (y.allFinite())
-      trial.ofAxis[axis] = compared(order, y, time, kFalseAnswers / static_cast<double>(axes.size()));
+    if (y.allFinite()) trial.ofAxis[axis] = compared(order, y, time, kFalseAnswers / axes.size());
   }
   return trial;
 }

@@ -24,15 +24,14 @@ const EffectSpec* sameIn(const Calibration& c, const EffectSpec& effect) {
 
 const Calibration::Value* valueIn(const Calibration& c, const EffectSpec& effect, const std::string& name) {
   for (const Calibration::Value& v : c.values)
-    if (v.name == name && sameEffect(c.effects[static_cast<std::size_t>(v.effect)], effect, c.domain))
-      return &v;
+    if (v.name == name && sameEffect(c.effects[v.effect], effect, c.domain)) return &v;
   return nullptr;
 }
 
 ParameterChange changeOf(const Calibration& a, const Calibration::Value& before, const Calibration& b,
                          const Calibration::Value& after) {
   ParameterChange change;
-  change.effect = a.effects[static_cast<std::size_t>(before.effect)];
+  change.effect = a.effects[before.effect];
   change.name = before.name;
   change.unit = before.unit;
   change.before = before.value * before.toUnit;
@@ -85,7 +84,7 @@ CalibrationChanges changesBetween(const Calibration& before, const Calibration& 
   changes.beforeTime = before.created;
   changes.afterTime = after.created;
   for (const Calibration::Value& v : before.values) {
-    const EffectSpec& effect = before.effects[static_cast<std::size_t>(v.effect)];
+    const EffectSpec& effect = before.effects[v.effect];
     const Calibration::Value* other = valueIn(after, effect, v.name);
     if (other == nullptr || v.fixed || other->fixed) continue;
     changes.parameters.push_back(changeOf(before, v, after, *other));

@@ -16,7 +16,7 @@ constexpr double kSignificant = 0.01;  ///< p below which a change of a paramete
 template <typename T>
 void correctForMany(std::vector<T*> asked) {
   std::sort(asked.begin(), asked.end(), [](const T* a, const T* b) { return a->pValue < b->pValue; });
-  double before = 0.0, left = static_cast<double>(asked.size());
+  double before = 0.0, left = asked.size();
   for (T* one : asked) {
     before = one->pValue = std::min(1.0, std::max(before, left * one->pValue));
     left -= 1.0;

@@ -14,20 +14,15 @@ constexpr int kProbes = 64;  // else its trace comes from so many random vectors
 class Rows {
  public:
   explicit Rows(const FreshPoints& points) {
-    const Problem& problem = *points.fitted().problem;
-    const std::vector<int>& used = points.space().used();
-    const auto angular = [&](int row) { return problem.rows()[static_cast<std::size_t>(row)].angular; };
-    angular_ = std::all_of(used.begin(), used.end(), angular);
+    const bool angular = points.angular();
     sigma_ = Eigen::VectorXd::Zero(points.rows());
     for (int i = 0; i < points.rows(); ++i) {
-      const int row = used[static_cast<std::size_t>(i)];
-      if (angular(row) != angular_) continue;
-      sigma_[i] = points.fitted().sigma[row];
+      if (points.row(i).angular != angular) continue;
+      sigma_[i] = points.fitted().sigma[points.space().used()[i]];
       ++count_;
     }
   }
 
-  bool angular() const { return angular_; }
   int count() const { return count_; }
   /// Of whitened rows (their priors left away), in m or rad; rows of the other kind are 0.
   Eigen::MatrixXd sized(const Eigen::MatrixXd& whitened) const {
@@ -60,7 +55,6 @@ class Rows {
 
  private:
   Eigen::VectorXd sigma_;
-  bool angular_ = false;
   int count_ = 0;
 };
 
@@ -87,7 +81,7 @@ ComparedFigures beforeAndAfter(const FreshPoints& points, const PointSystem& sys
     return f;
   };
   ComparedFigures found;
-  found.angular = rows.angular();
+  found.angular = points.angular();
   found.residuals = rows.count();
   found.noise = std::sqrt(trace / n);
   found.freedoms = std::max(1.0, n - points.space().baseRank());
@@ -107,8 +101,7 @@ ComparedFigures beforeAndAfter(const FreshPoints& points, const PointSystem& sys
 
 Eigen::VectorXd rmsOf(const FreshPoints& points, const Eigen::MatrixXd& whitened) {
   const Rows rows(points);
-  return rows.sized(whitened).colwise().norm().transpose() /
-         std::sqrt(std::max(1.0, static_cast<double>(rows.count())));
+  return rows.sized(whitened).colwise().norm().transpose() / std::sqrt(std::max<double>(1.0, rows.count()));
 }
 
 }  // namespace mm

@@ -34,18 +34,18 @@ Eigen::VectorXd slotsOf(const Effect& effect, const std::vector<double>& p, cons
   return slots;
 }
 
+int observationsOf(const Problem& problem) { return problem.session().observations.size(); }
+
 /// What effects do to each data row: rows x effects.
 Eigen::MatrixXd columnsOf(const Problem& problem, const Eigen::MatrixXd& bySlot,
                           const std::vector<EffectPtr>& effects,
                           const std::vector<std::vector<double>>& values) {
-  Eigen::MatrixXd columns =
-      Eigen::MatrixXd::Zero(problem.rowCount(), static_cast<Eigen::Index>(effects.size()));
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(problem.rowCount(), effects.size());
   for (std::size_t e = 0; e < effects.size(); ++e)
-    for (int o = 0; o < static_cast<int>(problem.session().observations.size()); ++o) {
-      const Eigen::VectorXd slots =
-          slotsOf(*effects[e], values[e], problem.state(o), static_cast<int>(bySlot.cols()));
+    for (int o = 0; o < observationsOf(problem); ++o) {
+      const Eigen::VectorXd slots = slotsOf(*effects[e], values[e], problem.state(o), bySlot.cols());
       for (int row = problem.firstRow(o); row < problem.firstRow(o + 1); ++row)
-        columns(row, static_cast<Eigen::Index>(e)) = bySlot.row(row).dot(slots);
+        columns(row, e) = bySlot.row(row).dot(slots);
     }
   return columns;
 }
@@ -59,24 +59,22 @@ std::vector<double> calibratedValues(const Calibration& calibration, int effect)
 
 /// What small errors do to each joint: rotary ones by their own slot, the linear ones by what is left of the
 /// tip's displacement.
-Eigen::VectorXd perJoint(const Machine& machine, const State& state, double beam, Eigen::VectorXd slots) {
+Eigen::VectorXd perJoint(const Model& model, const State& state, Eigen::VectorXd slots) {
+  const Machine& machine = model.machine();
+  const double beam = model.domain().laser ? state.laserReading : kNotMeasured;
   const ErrorLayout layout = machine.layout();
   Eigen::VectorXd change = Eigen::VectorXd::Zero(machine.jointCount());
   for (int j = 0; j < machine.jointCount(); ++j) {
-    if (machine.joints()[static_cast<std::size_t>(j)].kind == JointKind::kLinear) continue;
+    if (machine.joints()[j].kind == JointKind::kLinear) continue;
     change[j] = slots[layout.axis(j)];
     slots[layout.axis(j)] = 0.0;
   }
-  const std::vector<double> none(static_cast<std::size_t>(layout.size()), 0.0);
+  const std::vector<double> none(layout.size(), 0.0);
   Eigen::Matrix<double, 6, Eigen::Dynamic> gradient;
   machine.measure(state.position.data(), beam, none.data(), &gradient);
   const Eigen::Vector3d displacement = gradient.topRows<3>() * slots;
   if (!displacement.allFinite()) return Eigen::VectorXd::Constant(machine.jointCount(), kNotMeasured);
   return change + linearMotion(machine, state.position.data(), beam, displacement).change;
-}
-
-double beamOf(const Model& model, const State& state) {
-  return model.domain().laser ? state.laserReading : kNotMeasured;
 }
 
 /// Whether an effect is the machine's: what a controller can correct. Those of the probe and the artifact,
@@ -106,11 +104,11 @@ void FreshPoints::sort(const Calibration& calibration, const Model& whole) {
     const EffectPtr& effect = whole.effects()[e];
     const bool machine = isOfTheMachine(*effect, whole.domain());
     (machine ? machineEffects_ : measuringEffects_).push_back(effect);
-    (machine ? indices_ : measuringIndices_).push_back(static_cast<int>(e));
+    (machine ? indices_ : measuringIndices_).push_back(e);
   }
   for (std::size_t v = 0; v < calibration.values.size(); ++v)
     if (std::find(indices_.begin(), indices_.end(), calibration.values[v].effect) != indices_.end())
-      parameters_.push_back(static_cast<int>(v));
+      parameters_.push_back(v);
   if (machineEffects_.empty())
     throw InputError("calibration '" + calibration.id +
                      "' corrects no error of the machine (it has no effect of axes, guideways or heat), so "
@@ -144,12 +142,11 @@ void FreshPoints::fit(const Session& session, const Calibration& calibration, Ca
   const Problem rows(session, model);
   options.weights = weights.size() == rows.rowCount() ? weights : Eigen::VectorXd::Ones(rows.rowCount());
   for (int i = 0; i < rows.rowCount(); ++i) {
-    const int observation = rows.rows()[static_cast<std::size_t>(i)].observation;
+    const int observation = rows.rows()[i].observation;
     if (!rows.uses(observation) || !inputs.uses(observation)) options.weights[i] = 0.0;
   }
-  fitted_ = std::make_unique<CalibrationResult>(
-      calibrate(session, std::move(model), options,
-                Eigen::Map<const Eigen::VectorXd>(start.data(), static_cast<Eigen::Index>(start.size()))));
+  fitted_ = std::make_unique<CalibrationResult>(calibrate(
+      session, std::move(model), options, Eigen::Map<const Eigen::VectorXd>(start.data(), start.size())));
   space_ = std::make_unique<ResidualSpace>(*fitted_);
 }
 
@@ -162,18 +159,18 @@ Eigen::MatrixXd FreshPoints::entered(const Eigen::MatrixXd& columns) const {
 void FreshPoints::fillColumns(const Calibration& calibration) {
   const Linearisation& at = space_->linearisation();
   const Problem& problem = at.problem();
-  const int observations = static_cast<int>(problem.session().observations.size());
   std::vector<std::vector<double>> values, measuringValues;
   for (const int e : indices_) values.push_back(calibratedValues(calibration, e));
   for (const int e : measuringIndices_) measuringValues.push_back(calibratedValues(calibration, e));
 
   byEffect_ = entered(columnsOf(problem, at.slotGradients(), machineEffects_, values));
-  Eigen::MatrixXd change = Eigen::MatrixXd::Zero(observations, problem.model().machine().jointCount());
-  for (int o = 0; o < observations; ++o) change.row(o) = takenAway(problem.state(o), values);
+  Eigen::MatrixXd change =
+      Eigen::MatrixXd::Zero(observationsOf(problem), problem.model().machine().jointCount());
+  for (int o = 0; o < change.rows(); ++o) change.row(o) = takenAway(problem.state(o), values);
   fillAxes(change);
   fillMisplaced(values);
 
-  Eigen::MatrixXd byParameter(problem.rowCount(), static_cast<Eigen::Index>(parameters_.size()));
+  Eigen::MatrixXd byParameter(problem.rowCount(), parameters_.size());
   Eigen::Index column = 0;
   for (std::size_t e = 0; e < machineEffects_.size(); ++e) {
     const Eigen::MatrixXd columns = at.effectColumns(*machineEffects_[e], values[e]);
@@ -196,7 +193,7 @@ Eigen::VectorXd FreshPoints::takenAway(const State& state,
   Eigen::VectorXd slots = Eigen::VectorXd::Zero(size);
   for (std::size_t e = 0; e < machineEffects_.size(); ++e)
     slots += slotsOf(*machineEffects_[e], values[e], state, size);
-  return perJoint(model.machine(), state, beamOf(model, state), std::move(slots));
+  return perJoint(model, state, std::move(slots));
 }
 
 void FreshPoints::fillAxes(const Eigen::MatrixXd& change) {
@@ -209,22 +206,20 @@ void FreshPoints::fillAxes(const Eigen::MatrixXd& change) {
     if (change.col(j).array().isFinite().select(change.col(j), 0.0).cwiseAbs().maxCoeff() >
         kNoChange * size) {
       axisJoints_.push_back(j);
-      axes_.push_back(machine.joints()[static_cast<std::size_t>(j)].name);
+      axes_.push_back(machine.joints()[j].name);
     }
   if (!fillOffsets() && axes_.empty() && tabled())
     throw InputError(
         problem.session().source +
         ": the tables add nothing at these points, so there is nothing to verify; mm plan verify selects "
         "points that show the correction");
-  const int count = static_cast<int>(axes_.size());
+  const int count = axisCount();
   Eigen::MatrixXd crossed(problem.rowCount(), count * count);
   for (int i = 0; i < problem.rowCount(); ++i)
     for (int a = 0; a < count; ++a)
       for (int b = 0; b < count; ++b)
-        crossed(i, a * count + b) =
-            at.slotGradients()(i, layout.axis(axisJoints_[static_cast<std::size_t>(a)])) *
-            change(problem.rows()[static_cast<std::size_t>(i)].observation,
-                   axisJoints_[static_cast<std::size_t>(b)]);
+        crossed(i, a * count + b) = at.slotGradients()(i, layout.axis(axisJoints_[a])) *
+                                    change(problem.rows()[i].observation, axisJoints_[b]);
   crossed_ = entered(crossed);
 }
 
@@ -234,11 +229,11 @@ bool FreshPoints::fillOffsets() {
   const ErrorLayout layout = problem.model().machine().layout();
   Eigen::MatrixXd column = Eigen::MatrixXd::Zero(problem.rowCount(), 1);
   if (hasOffsets())
-    for (int o = 0; o < static_cast<int>(problem.session().observations.size()); ++o) {
+    for (int o = 0; o < observationsOf(problem); ++o) {
       const Eigen::VectorXd added = exported_->offsetsAdd(problem.state(o));
       for (int row = problem.firstRow(o); row < problem.firstRow(o + 1); ++row)
         for (Eigen::Index j = 0; j < added.size(); ++j)
-          column(row, 0) -= at.slotGradients()(row, layout.axis(static_cast<int>(j))) * added[j];
+          column(row, 0) -= at.slotGradients()(row, layout.axis(j)) * added[j];
     }
   offsets_ = entered(column).col(0);
   return offsets_.norm() > 0.0;
@@ -251,16 +246,13 @@ void FreshPoints::fillMisplaced(const std::vector<std::vector<double>>& values) 
   const Machine& machine = model.machine();
   const ErrorLayout layout = machine.layout();
   const Domain& domain = model.domain();
-  const auto linear = [&](std::size_t axis) {
-    return machine.joints()[static_cast<std::size_t>(axisJoints_[axis])].kind == JointKind::kLinear;
-  };
-  for (std::size_t a = 0; a < axes_.size(); ++a)
-    for (std::size_t b = a + 1; b < axes_.size(); ++b) {
-      if (!linear(a) || !linear(b)) continue;
-      const int first = axisJoints_[a], second = axisJoints_[b];
-      const std::size_t f = static_cast<std::size_t>(first), s = static_cast<std::size_t>(second);
+  for (int a = 0; a < axisCount(); ++a)
+    for (int b = a + 1; b < axisCount(); ++b) {
+      const int f = axisJoints_[a], s = axisJoints_[b];
+      if (machine.joints()[f].kind != JointKind::kLinear || machine.joints()[s].kind != JointKind::kLinear)
+        continue;
       Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(problem.rowCount(), 2);
-      for (int o = 0; o < static_cast<int>(problem.session().observations.size()); ++o) {
+      for (int o = 0; o < observationsOf(problem); ++o) {
         State state = problem.state(o);
         // A table ends where its axis was calibrated.
         const double one = std::clamp(state.position[s], domain.lower[f], domain.upper[f]);
@@ -271,24 +263,26 @@ void FreshPoints::fillMisplaced(const std::vector<std::vector<double>>& values) 
         model.place(state);
         const Eigen::VectorXd change = takenAway(state, values);
         for (int row = problem.firstRow(o); row < problem.firstRow(o + 1); ++row) {
-          columns(row, 0) = at.slotGradients()(row, layout.axis(first)) * change[second];
-          columns(row, 1) = at.slotGradients()(row, layout.axis(second)) * change[first];
+          columns(row, 0) = at.slotGradients()(row, layout.axis(f)) * change[s];
+          columns(row, 1) = at.slotGradients()(row, layout.axis(s)) * change[f];
         }
       }
       const Eigen::MatrixXd whitened = entered(columns);
-      misplaced_.push_back({static_cast<int>(b), static_cast<int>(a), whitened.col(0)});
-      misplaced_.push_back({static_cast<int>(a), static_cast<int>(b), whitened.col(1)});
+      misplaced_.push_back({b, a, whitened.col(0)});
+      misplaced_.push_back({a, b, whitened.col(1)});
     }
 }
 
 Eigen::VectorXd FreshPoints::rest() const {
   Eigen::VectorXd rest = whole() - offsets_;
-  for (int a = 0; a < static_cast<int>(axes_.size()); ++a) rest -= own(a);
+  for (int a = 0; a < axisCount(); ++a) rest -= own(a);
   return rest;
 }
 
-Eigen::VectorXd FreshPoints::own(int axis) const {
-  return crossed_.col(axis * static_cast<int>(axes_.size()) + axis);
+bool FreshPoints::angular() const {
+  for (int i = 0; i < rows(); ++i)
+    if (!row(i).angular) return false;
+  return true;
 }
 
 void FreshPoints::fillShapes() {
@@ -301,18 +295,17 @@ void FreshPoints::fillShapes() {
   constexpr double kShare = 0.3;  // of the whole correction
   Eigen::MatrixXd shapes = Eigen::MatrixXd::Zero(problem.rowCount(), joints * (joints + 1));
   for (int i = 0; i < problem.rowCount(); ++i) {
-    const State& state = problem.state(problem.rows()[static_cast<std::size_t>(i)].observation);
+    const State& state = problem.state(problem.rows()[i].observation);
     int column = 0;
     for (int a = 0; a < joints; ++a) {
       const double gradient = at.slotGradients()(i, layout.axis(a));
-      for (int b = 0; b < joints; ++b) {
-        const std::size_t j = static_cast<std::size_t>(b);
+      for (int j = 0; j < joints; ++j) {
         const double range = domain.upper[j] - domain.lower[j];
         shapes(i, column++) = range > kStoodStill
                                   ? gradient * (2.0 * (state.position[j] - domain.lower[j]) / range - 1.0)
                                   : 0.0;
       }
-      const double travel = state.travel[static_cast<std::size_t>(a)];
+      const double travel = state.travel[a];
       shapes(i, column++) = std::isfinite(travel) ? gradient * travel : 0.0;
     }
   }

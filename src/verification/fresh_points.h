@@ -33,11 +33,14 @@ class FreshPoints {
   FreshPoints(const Session& session, const Calibration& calibration, const CalibrateOptions& options,
               int factor, const Eigen::VectorXd& weights = {}, const LoadedExport* exported = nullptr);
 
-  const CalibrationResult& fitted() const { return *fitted_; }               ///< at the factor
-  const ResidualSpace& space() const { return *space_; }                     ///< of `fitted`
-  int rows() const { return space_->rows(); }                                ///< residuals in use
+  const CalibrationResult& fitted() const { return *fitted_; }  ///< at the factor
+  const ResidualSpace& space() const { return *space_; }        ///< of `fitted`
+  int rows() const { return space_->rows(); }                   ///< residuals in use
+  const ResidualRow& row(int i) const { return fitted_->problem->rows()[space_->used()[i]]; }  ///< of these
+  bool angular() const;                                                      ///< none of these is in m
   int length() const { return space_->length(); }                            ///< rows and priors
   const std::vector<std::string>& axes() const { return axes_; }             ///< joints that are corrected
+  int axisCount() const { return axes_.size(); }                             ///< their number
   const std::vector<EffectPtr>& effects() const { return machineEffects_; }  ///< of the machine
   const std::vector<int>& indices() const { return indices_; }               ///< of these in the calibration
 
@@ -53,8 +56,8 @@ class FreshPoints {
   /// Column a * axes + b: what the calibration (where tables were named: they) says of axis b, as an error of
   /// axis a.
   const Eigen::MatrixXd& crossed() const { return crossed_; }
-  Eigen::VectorXd own(int axis) const;                                         ///< crossed(a, a)
-  const std::vector<MisplacedTable>& misplaced() const { return misplaced_; }  ///< of every pair of axes
+  Eigen::VectorXd own(int a) const { return crossed_.col(a * axisCount() + a); }  ///< crossed(a, a)
+  const std::vector<MisplacedTable>& misplaced() const { return misplaced_; }     ///< of every pair of axes
   /// By each parameter of the machine's effects, per SI unit.
   const Eigen::MatrixXd& byParameter() const { return byParameter_; }
   const std::vector<int>& parameters() const { return parameters_; }  ///< of these in the calibration

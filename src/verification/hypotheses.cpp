@@ -25,14 +25,11 @@ class Maker {
  public:
   Maker(const FreshPoints& points, bool loaded) : points_(points), loaded_(loaded), rest_(points.rest()) {}
 
-  int count() const { return static_cast<int>(points_.axes().size()); }
-
   /// @param rest state of what no axis can show.
   LoadedHow of(std::vector<AxisState> axes, double logPrior, AxisState rest) const {
     LoadedHow h;
     h.field = (points_.tabled() ? 1.0 : shown(rest, loaded_)) * rest_;  // no table has it
-    for (int a = 0; a < count(); ++a)
-      h.field += shown(axes[static_cast<std::size_t>(a)], loaded_) * points_.own(a);
+    for (int a = 0; a < points_.axisCount(); ++a) h.field += shown(axes[a], loaded_) * points_.own(a);
     if (points_.hasOffsets()) {
       h.field += shown(rest, loaded_) * points_.offsets();
       h.offsets = rest;
@@ -45,9 +42,8 @@ class Maker {
   /// Tables of two axes at the wrong place. An axis whose table stands elsewhere has none of its own, and one
   /// that got another's has lost its own.
   LoadedHow exchanged(const std::vector<Exchange>& exchanges) const {
-    std::vector<AxisState> axes(static_cast<std::size_t>(count()), AxisState::kCorrected);
-    for (const Exchange& e : exchanges)
-      axes[static_cast<std::size_t>(e.of)] = axes[static_cast<std::size_t>(e.on)] = AxisState::kNotCorrected;
+    std::vector<AxisState> axes(points_.axisCount(), AxisState::kCorrected);
+    for (const Exchange& e : exchanges) axes[e.of] = axes[e.on] = AxisState::kNotCorrected;
     LoadedHow h = of(std::move(axes), kExchange - (exchanges.size() == 1 ? 1.0 : 0.0), AxisState::kCorrected);
     for (const Exchange& e : exchanges) h.field += (loaded_ ? -1.0 : 1.0) * columnOf(e);
     h.exchanges = exchanges;
@@ -56,7 +52,7 @@ class Maker {
 
  private:
   Eigen::VectorXd columnOf(const Exchange& e) const {
-    if (!e.entered) return points_.crossed().col(e.on * count() + e.of);
+    if (!e.entered) return points_.crossed().col(e.on * points_.axisCount() + e.of);
     for (const MisplacedTable& table : points_.misplaced())
       if (table.of == e.of && table.on == e.on) return table.column;
     return Eigen::VectorXd::Zero(points_.length());
@@ -118,13 +114,13 @@ std::vector<LoadedHow> withOffsets(const std::vector<LoadedHow>& tables, const F
 std::vector<LoadedHow> hypothesesOf(const FreshPoints& points, bool loaded, const std::vector<char>& seen,
                                     bool offsetsSeen) {
   const Maker maker(points, loaded);
-  const std::size_t count = points.axes().size();
+  const int count = points.axisCount();
   std::vector<LoadedHow> all;
   for (const AxisState state : kStates)
     all.push_back(maker.of(std::vector<AxisState>(count, state),
                            state == AxisState::kCorrected ? 0.0 : kUniform, state));
-  std::vector<std::size_t> told;
-  for (std::size_t a = 0; a < count; ++a)
+  std::vector<int> told;
+  for (int a = 0; a < count; ++a)
     if (seen[a]) told.push_back(a);
   std::size_t combinations = told.size() > 1 ? 1 : 0;
   for (std::size_t i = 0; combinations > 0 && i < told.size(); ++i) combinations *= 4;
@@ -132,18 +128,18 @@ std::vector<LoadedHow> hypothesesOf(const FreshPoints& points, bool loaded, cons
     std::vector<AxisState> axes(count, AxisState::kCorrected);
     std::size_t rest = c, other = 0;
     bool uniform = true;
-    for (const std::size_t a : told) {
+    for (const int a : told) {
       axes[a] = kStates[rest % 4];
       rest /= 4;
       if (axes[a] != AxisState::kCorrected) ++other;
       uniform = uniform && axes[a] == axes[told.front()];
     }
-    if (!uniform) all.push_back(maker.of(axes, kOneAxis * static_cast<double>(other), AxisState::kCorrected));
+    if (!uniform) all.push_back(maker.of(axes, kOneAxis * other, AxisState::kCorrected));
   }
   const std::size_t firstExchange = all.size();
-  for (int a = 0; a < static_cast<int>(count); ++a)
-    for (int b = a + 1; b < static_cast<int>(count); ++b) {
-      if (!seen[static_cast<std::size_t>(a)] && !seen[static_cast<std::size_t>(b)]) continue;
+  for (int a = 0; a < count; ++a)
+    for (int b = a + 1; b < count; ++b) {
+      if (!seen[a] && !seen[b]) continue;
       for (const bool entered : {false, true}) {
         const auto ofThese = [&](const MisplacedTable& table) { return table.of == a && table.on == b; };
         const auto& tables = points.misplaced();
@@ -154,7 +150,7 @@ std::vector<LoadedHow> hypothesesOf(const FreshPoints& points, bool loaded, cons
         all.push_back(maker.exchanged({back}));
       }
     }
-  const auto asked = static_cast<double>(std::max<std::size_t>(1, all.size() - firstExchange));
+  const double asked = std::max<std::size_t>(1, all.size() - firstExchange);
   for (std::size_t h = firstExchange; h < all.size(); ++h) all[h].logPrior -= std::log(asked);
   if (!offsetsSeen) {
     for (LoadedHow& how : all) how.offsets.reset();

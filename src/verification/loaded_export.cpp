@@ -35,7 +35,7 @@ LoadedExport::LoadedExport(const std::filesystem::path& folder, const Calibratio
 /// command and this.
 Eigen::VectorXd LoadedExport::more(const State& command, Adds adds) const {
   const CommandedState commanded = needed_.commandOf(command);
-  Eigen::VectorXd more = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(command.position.size()));
+  Eigen::VectorXd more = Eigen::VectorXd::Zero(command.position.size());
   const auto sum = [&](const LoadedCompensation& of, const CommandedState& at, double sign) {
     const std::map<std::string, double> found = (of.*adds)(at);
     for (const ExportAxis& axis : needed_.axes())
@@ -48,7 +48,7 @@ Eigen::VectorXd LoadedExport::more(const State& command, Adds adds) const {
 }
 
 Eigen::VectorXd LoadedExport::offsetsAdd(const State& command) const {
-  if (!hasOffsets_) return Eigen::VectorXd::Zero(static_cast<Eigen::Index>(command.position.size()));
+  if (!hasOffsets_) return Eigen::VectorXd::Zero(command.position.size());
   return more(command, &LoadedCompensation::offsetsAdd);
 }
 
@@ -59,8 +59,7 @@ Eigen::VectorXd LoadedExport::adds(const State& command) const {
     return more(command, &LoadedCompensation::tablesAdd);
   } catch (const InputError&) {
     if (complete) throw;
-    return Eigen::VectorXd::Constant(static_cast<Eigen::Index>(command.position.size()),
-                                     std::numeric_limits<double>::quiet_NaN());
+    return Eigen::VectorXd::Constant(command.position.size(), std::numeric_limits<double>::quiet_NaN());
   }
 }
 

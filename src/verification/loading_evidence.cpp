@@ -56,12 +56,11 @@ double scaleOf(const Calibration::Value& v) {
 /// Mean over the residuals of one kind of what of(i) says of the i-th row in use; 0 without any.
 template <typename Of>
 double meanOf(const FreshPoints& points, bool angular, Of of) {
-  const std::vector<int>& used = points.space().used();
   double sum = 0.0;
   int rows = 0;
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    if (points.fitted().problem->rows()[static_cast<std::size_t>(used[i])].angular != angular) continue;
-    sum += of(static_cast<Eigen::Index>(i));
+  for (int i = 0; i < points.rows(); ++i) {
+    if (points.row(i).angular != angular) continue;
+    sum += of(i);
     ++rows;
   }
   return rows > 0 ? sum / rows : 0.0;
@@ -73,7 +72,7 @@ double seenOf(const std::string& direction, const FreshPoints& points, bool angu
   const Directions directions = directionsOf(points.space().linearisation(), points.space().used());
   const auto found = std::find(directions.names.begin(), directions.names.end(), direction);
   if (found == directions.names.end()) return 0.0;
-  const auto column = static_cast<Eigen::Index>(found - directions.names.begin());
+  const auto column = found - directions.names.begin();
   return meanOf(points, angular, [&](Eigen::Index i) { return std::pow(directions.factors(i, column), 2); });
 }
 
@@ -81,7 +80,7 @@ double seenOf(const std::string& direction, const FreshPoints& points, bool angu
 double scatterOf(const FreshPoints& points, const PointSystem& system, bool angular) {
   const Eigen::VectorXd variance = system.variances();
   return meanOf(points, angular, [&](Eigen::Index i) {
-    const int row = points.space().used()[static_cast<std::size_t>(i)];
+    const int row = points.space().used()[i];
     return std::pow(points.fitted().sigma[row], 2) * variance[i];
   });
 }
@@ -111,9 +110,7 @@ LoadingEvidence::LoadingEvidence(const FreshPoints& points, const PointSystem& s
 Projection LoadingEvidence::changedSince() const {
   Eigen::MatrixXd covariance = covariance_;
   for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
-    const double value =
-        calibration_.values[static_cast<std::size_t>(points_.parameters()[static_cast<std::size_t>(i)])]
-            .value;
+    const double value = calibration_.values[points_.parameters()[i]].value;
     covariance(i, i) += kDrifts * kDrifts * value * value;
   }
   return Projection(system_.base(), beside({scattering(covariance), system_.whiten(points_.shapes())}));
@@ -124,15 +121,13 @@ std::vector<double> LoadingEvidence::scores(const Projection& projection,
   const Eigen::MatrixXd left = projection.left(misses(all));
   std::vector<double> scores;
   for (std::size_t h = 0; h < all.size(); ++h)
-    scores.push_back(all[h].logPrior -
-                     0.5 * freedoms() * std::log(left.col(static_cast<Eigen::Index>(h)).squaredNorm()));
+    scores.push_back(all[h].logPrior - 0.5 * freedoms() * std::log(left.col(h).squaredNorm()));
   return scores;
 }
 
 Eigen::MatrixXd LoadingEvidence::misses(const std::vector<LoadedHow>& all) const {
-  Eigen::MatrixXd m(points_.length(), static_cast<Eigen::Index>(all.size()));
-  for (std::size_t i = 0; i < all.size(); ++i)
-    m.col(static_cast<Eigen::Index>(i)) = points_.raw() - all[i].field;
+  Eigen::MatrixXd m(points_.length(), all.size());
+  for (std::size_t i = 0; i < all.size(); ++i) m.col(i) = points_.raw() - all[i].field;
   return system_.whiten(m);
 }
 
@@ -150,7 +145,7 @@ Eigen::MatrixXd LoadingEvidence::unitShapes() const {
 /// As much of each shape as the calibration left unexplained, in units of the noise.
 double LoadingEvidence::unexplainedOf() const {
   if (!(calibration_.repeatability > 0.0)) return 0.0;
-  const double shapes = std::max<double>(1.0, static_cast<double>(points_.shapes().cols()));
+  const double shapes = std::max<double>(1.0, points_.shapes().cols());
   return leftUnexplained(points_, system_, calibration_) / std::sqrt(shapes) /
          (calibration_.repeatability * system_.white());
 }
@@ -164,9 +159,8 @@ double LoadingEvidence::logMisfitOf(double left, int taken) const {
 Eigen::MatrixXd LoadingEvidence::ofEffect(std::size_t e) const {
   std::vector<Eigen::MatrixXd> columns;
   for (std::size_t i = 0; i < points_.parameters().size(); ++i) {
-    const Calibration::Value& v = calibration_.values[static_cast<std::size_t>(points_.parameters()[i])];
-    if (v.effect == points_.indices()[e])
-      columns.emplace_back(byParameter_.col(static_cast<Eigen::Index>(i)) * scaleOf(v));
+    const Calibration::Value& v = calibration_.values[points_.parameters()[i]];
+    if (v.effect == points_.indices()[e]) columns.emplace_back(byParameter_.col(i) * scaleOf(v));
   }
   return columns.empty() ? Eigen::MatrixXd(points_.length(), 0) : beside(columns);
 }
@@ -185,7 +179,7 @@ Changes LoadingEvidence::changes(const LoadedHow& h) const {
     std::vector<Eigen::MatrixXd> parts;
     for (const std::size_t e : set) parts.push_back(columns[e]);
     const Eigen::MatrixXd q = orthonormalBasis(beside(parts));
-    *rank = static_cast<int>(q.cols());
+    *rank = q.cols();
     return (y - q * (q.transpose() * y)).squaredNorm();
   };
   int rank = 0;
@@ -204,7 +198,7 @@ Changes LoadingEvidence::changes(const LoadedHow& h) const {
       const double p = logPValueF((left - rest) / (more - rank) / noise, more - rank, system_.freedoms());
       if (p < best) best = p, bestLeft = rest, bestRank = more, which = e;
     }
-    if (which == count || best > kChanged - std::log(static_cast<double>(count))) break;
+    if (which == count || best > kChanged - std::log(count)) break;
     chosen.push_back(which);
     pValues.push_back(std::exp(best));
     left = bestLeft;
@@ -213,7 +207,7 @@ Changes LoadingEvidence::changes(const LoadedHow& h) const {
   Changes found;
   found.unexplainedPValue = std::exp(logMisfitOf(left, rank));
   found.score = h.logPrior - 0.5 * freedoms() * std::log(left) - 0.5 * rank * std::log(points_.rows()) -
-                static_cast<double>(chosen.size()) * std::log(static_cast<double>(count));
+                chosen.size() * std::log(count);
   if (chosen.empty()) return found;
   std::vector<Eigen::MatrixXd> parts;
   for (const std::size_t e : chosen) parts.push_back(columns[e]);
@@ -224,7 +218,7 @@ Changes LoadingEvidence::changes(const LoadedHow& h) const {
   for (std::size_t c = 0; c < chosen.size(); ++c) {
     ChangedEffect changed;
     const int effect = points_.indices()[chosen[c]];
-    changed.effect = calibration_.effects[static_cast<std::size_t>(effect)];
+    changed.effect = calibration_.effects[effect];
     changed.pValue = pValues[c];
     for (const Calibration::Value& v : calibration_.values)
       if (v.effect == effect) {
@@ -239,12 +233,11 @@ Changes LoadingEvidence::changes(const LoadedHow& h) const {
 }
 
 Eigen::MatrixXd covarianceOf(const FreshPoints& points, const Calibration& calibration) {
-  const auto count = static_cast<Eigen::Index>(points.parameters().size());
+  const Eigen::Index count = points.parameters().size();
   Eigen::MatrixXd covariance(count, count);
   for (Eigen::Index i = 0; i < count; ++i)
     for (Eigen::Index j = 0; j < count; ++j)
-      covariance(i, j) = calibration.covariance(points.parameters()[static_cast<std::size_t>(i)],
-                                                points.parameters()[static_cast<std::size_t>(j)]);
+      covariance(i, j) = calibration.covariance(points.parameters()[i], points.parameters()[j]);
   return covariance;
 }
 
@@ -252,7 +245,7 @@ Decision decide(const FreshPoints& points, const PointSystem& system, const Cali
                 bool loaded) {
   const LoadingEvidence evidence(points, system, calibration);
   std::vector<char> seen;
-  for (int a = 0; a < static_cast<int>(points.axes().size()); ++a)
+  for (int a = 0; a < points.axisCount(); ++a)
     seen.push_back(evidence.asCalibrated().left(system.whiten(points.own(a))).norm() > kSeen);
   Decision decision;
   decision.tablesSeen = std::any_of(seen.begin(), seen.end(), [](char s) { return s != 0; });
@@ -292,7 +285,7 @@ void fillShares(const FreshPoints& points, const PointSystem& system, const Cali
                 bool loaded, Verification& found) {
   const LoadingEvidence evidence(points, system, calibration);
   const Projection& projection = evidence.asCalibrated();
-  const int count = static_cast<int>(points.axes().size());
+  const int count = points.axisCount();
   Eigen::MatrixXd own(points.length(), count + (points.hasOffsets() ? 1 : 0));
   for (int a = 0; a < count; ++a) own.col(a) = points.own(a);
   if (points.hasOffsets()) own.col(count) = points.offsets();
@@ -309,7 +302,7 @@ void fillShares(const FreshPoints& points, const PointSystem& system, const Cali
   const Shares axes = sharesOf(projection.left(system.whiten(own)), y);
   for (int a = 0; a < count; ++a) {
     RemainingOfAxis& axis = found.axes.emplace_back();
-    axis.axis = points.axes()[static_cast<std::size_t>(a)];
+    axis.axis = points.axes()[a];
     fill(axis, ownSizes[a], axes, a);
   }
   if (points.hasOffsets()) fill(found.offsets.emplace(), ownSizes[count], axes, count);
@@ -323,11 +316,10 @@ void fillShares(const FreshPoints& points, const PointSystem& system, const Cali
       sharesOf(columns * carried.asDiagonal(),
                points.tabled() ? y : Eigen::VectorXd(projection.left(system.whiten(points.raw()))));
   for (std::size_t e = 0; e < points.effects().size(); ++e) {
-    const auto k = static_cast<Eigen::Index>(e);
     RemainingOfEffect& effect = found.effects.emplace_back();
-    effect.effect = calibration.effects[static_cast<std::size_t>(points.indices()[e])];
-    effect.notCarried = notCarried[k];
-    fill(effect, effectSizes[k], effects, k);
+    effect.effect = calibration.effects[points.indices()[e]];
+    effect.notCarried = notCarried[e];
+    fill(effect, effectSizes[e], effects, e);
   }
   // What the offsets leave is no other axis's correction.
   const Shares crossed = sharesOf(
@@ -338,8 +330,7 @@ void fillShares(const FreshPoints& points, const PointSystem& system, const Cali
       const int k = on * count + of;
       if (on == of || !(crossed.std[k] < kTold) || std::abs(crossed.value[k]) < kThere * crossed.std[k])
         continue;
-      found.crossed.push_back({points.axes()[static_cast<std::size_t>(of)],
-                               points.axes()[static_cast<std::size_t>(on)],
+      found.crossed.push_back({points.axes()[of], points.axes()[on],
                                loaded ? -crossed.value[k] : crossed.value[k], crossed.std[k]});
     }
 }

@@ -37,7 +37,7 @@ class LoadingEvidence {
   Eigen::MatrixXd scattering(const Eigen::MatrixXd& covariance) const;
   Eigen::MatrixXd unitShapes() const;
   double unexplainedOf() const;
-  double freedoms() const { return points_.length() - static_cast<double>(system_.base().cols()); }
+  double freedoms() const { return points_.length() - system_.base().cols(); }
   double logMisfitOf(double left, int taken) const;
   Eigen::MatrixXd ofEffect(std::size_t e) const;
 

@@ -104,7 +104,7 @@ TipChange tipChange(const Calibration& a, const Calibration& b) {
   const std::size_t joints = lower.size();
   std::size_t nodes = 2;  // directions of travel
   for (std::size_t j = 0; j < joints; ++j) nodes *= upper[j] > lower[j] ? kPoints : 1;
-  Eigen::VectorXd difference(3 * static_cast<Eigen::Index>(nodes)), variance(difference.size());
+  Eigen::VectorXd difference(3 * nodes), variance(difference.size());
   Eigen::MatrixXd rigid(difference.size(), 6);
   Model::Workspace work;
   Eigen::Matrix<double, 6, Eigen::Dynamic> byParameter;
@@ -120,7 +120,7 @@ TipChange tipChange(const Calibration& a, const Calibration& b) {
     }
     first.place(here);
     second.place(there);
-    const Eigen::Index row = 3 * static_cast<Eigen::Index>(node);
+    const Eigen::Index row = 3 * node;
     const auto varianceOf = [&](const Eigen::MatrixXd& covariance) {
       const Eigen::Matrix<double, 3, Eigen::Dynamic> top = byParameter.topRows<3>();
       return Eigen::Vector3d((top * covariance).cwiseProduct(top).rowwise().sum());
@@ -141,11 +141,10 @@ TipChange tipChange(const Calibration& a, const Calibration& b) {
   // Where the workpiece lies is no error of the machine.
   rigid.rightCols<3>() /= std::max(kAtTheOrigin, rigid.rightCols<3>().cwiseAbs().maxCoeff());
   difference -= rigid * shortestLeastSquares(rigid, difference);
-  change.rms = std::sqrt(difference.squaredNorm() / static_cast<double>(nodes));
-  change.byChance = std::sqrt(variance.cwiseMax(0.0).sum() / static_cast<double>(nodes));
+  change.rms = std::sqrt(difference.squaredNorm() / nodes);
+  change.byChance = std::sqrt(variance.cwiseMax(0.0).sum() / nodes);
   for (std::size_t node = 0; node < nodes; ++node)
-    change.largest =
-        std::max(change.largest, difference.segment<3>(3 * static_cast<Eigen::Index>(node)).norm());
+    change.largest = std::max(change.largest, difference.segment<3>(3 * node).norm());
   return change;
 }
 

@@ -54,8 +54,8 @@ std::vector<DriftTerm> PointSystem::knownDrift(const Calibration& calibration) c
   for (const Wandering& w : calibration.drift) {
     const auto found = std::find(rows_.directions.begin(), rows_.directions.end(), w.direction);
     if (found == rows_.directions.end() || !(w.std > 0.0) || !(w.timeConstant > 0.0)) continue;
-    const auto d = static_cast<std::size_t>(found - rows_.directions.begin());
-    terms.push_back({static_cast<int>(d), w.std / rows_.directionScale[d], w.timeConstant, w.smooth});
+    const int d = found - rows_.directions.begin();
+    terms.push_back({d, w.std / rows_.directionScale[d], w.timeConstant, w.smooth});
   }
   return terms;
 }
@@ -72,7 +72,7 @@ PointSystem::PointSystem(const FreshPoints& points, const Calibration& calibrati
   for (const Eigen::MatrixXd& more :
        {points.byEffect(), points.crossed(), points.byParameter(), beside(misplaced), points.shapes()}) {
     Eigen::MatrixXd with = spanWith(all, more);
-    if (static_cast<double>(length - with.cols()) < kFewestFreedoms) break;
+    if (length - with.cols() < kFewestFreedoms) break;
     all = std::move(with);
     ++parts;
   }
@@ -88,7 +88,7 @@ PointSystem::PointSystem(const FreshPoints& points, const Calibration& calibrati
   noise.variance = Eigen::VectorXd::Ones(points.rows());
   NoiseFitOptions options;
   options.driftPrice = kDriftPrice;
-  options.addDrift = length - static_cast<double>(all.cols()) >= kForMemory;
+  options.addDrift = length - all.cols() >= kForMemory;
   NoiseFitResult fit = fitNoise(rows_.rows, {}, noise, options, kMostRows);
   // The memory that the calibration knows of is there without a price.
   noise.drift = knownDrift(calibration);
@@ -118,8 +118,8 @@ void PointSystem::findOutliers(const Eigen::MatrixXd& all) {
   constexpr double kOfMedian = 1.4826;  // standard deviation of a normal distribution over its median size
   const double scale = kOfMedian * upperMedian(sizes);
   for (int i = 0; i < points_.rows(); ++i)
-    if (scale > 0.0 && sizes[static_cast<std::size_t>(i)] > kApart * scale) outliers_.push_back(i);
-  if (static_cast<double>(outliers_.size()) > kMostApart * points_.rows()) outliers_.clear();
+    if (scale > 0.0 && sizes[i] > kApart * scale) outliers_.push_back(i);
+  if (outliers_.size() > kMostApart * points_.rows()) outliers_.clear();
 }
 
 Eigen::MatrixXd PointSystem::whiten(const Eigen::MatrixXd& columns) const {

@@ -54,7 +54,7 @@ class Projection {
   Projection(const Eigen::MatrixXd& free, const Eigen::MatrixXd& scattering);
   /// What the free and the scattering columns leave of others; longer by a row a scattering column.
   Eigen::MatrixXd left(const Eigen::MatrixXd& columns) const;
-  int rank() const { return static_cast<int>(basis_.cols()); }  ///< of both
+  int rank() const { return basis_.cols(); }  ///< of both
 
  private:
   Eigen::Index scattering_ = 0;

@@ -134,7 +134,7 @@ std::vector<ParameterTrend> trendsOf(const std::vector<Calibration>& calibration
   for (auto c = kept.rbegin(); c != kept.rend(); ++c)
     for (const Calibration::Value& v : (*c)->values) {
       if (v.fixed) continue;
-      const EffectSpec& effect = (*c)->effects[static_cast<std::size_t>(v.effect)];
+      const EffectSpec& effect = (*c)->effects[v.effect];
       auto found = std::find_if(trends.begin(), trends.end(), [&](const ParameterTrend& t) {
         return t.name == v.name && sameEffect(t.effect, effect, (*c)->domain);
       });
@@ -155,7 +155,7 @@ std::vector<ParameterTrend> trendsOf(const std::vector<Calibration>& calibration
       point.comparable = *c == &last || found->points.empty() || meansTheSame(effect, **c, last);
       found->points.insert(found->points.begin(), point);
     }
-  const double alpha = kSignificant / static_cast<double>(std::max<std::size_t>(1, trends.size()));
+  const double alpha = kSignificant / std::max<std::size_t>(1, trends.size());
   const double usual = usualVariance(trends);
   std::vector<Trend> courses;
   for (ParameterTrend& t : trends) {

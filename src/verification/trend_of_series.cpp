@@ -133,7 +133,7 @@ double varianceBetween(const std::vector<TrendPoint>& points, double dof, const 
   double least = kNever, mean = 0.0;
   for (const TrendPoint& p : points) {
     least = std::min(least, p.std * p.std);
-    mean += p.std * p.std / static_cast<double>(points.size());
+    mean += p.std * p.std / points.size();
   }
   const double lowest = allStated(points) ? 0.0 : leastVariance(points);
   if (!(dof > 0.0) || chi2(lowest) <= dof) return lowest;
@@ -206,8 +206,7 @@ class TrendSearch {
       const Candidate& found = single ? step : bump;
       if (whole) trend.scatter = found.scatter;
       const auto cut = [&](std::size_t a, std::size_t b) {
-        look({part.begin() + static_cast<std::ptrdiff_t>(a), part.begin() + static_cast<std::ptrdiff_t>(b)},
-             first + a, found.scatter, trend);
+        look({part.begin() + a, part.begin() + b}, first + a, found.scatter, trend);
       };
       cut(0, found.at);
       trend.stepP.push_back(found.p);
@@ -231,12 +230,12 @@ class TrendSearch {
     return part.size() >= kFewestForStep && part.size() >= 3 * shortest(part);
   }
   static double levelScatter(const Points& part) {
-    return varianceBetween(part, static_cast<double>(part.size()) - 1.0,
+    return varianceBetween(part, part.size() - 1.0,
                            [&](double scatter) { return sumsOf(part, scatter).chi2(0, part.size()); });
   }
   static TrendSegment segmentOf(const Points& part, std::size_t first, double scatter) {
     const SegmentSums sums = sumsOf(part, scatter);
-    const double dof = static_cast<double>(part.size()) - 1.0, chi2 = sums.chi2(0, part.size());
+    const double dof = part.size() - 1.0, chi2 = sums.chi2(0, part.size());
     const double scale = dof > 0.0 ? std::max(1.0, chi2 / dof) : 1.0;
     return {first, first + part.size(), sums.level(0, part.size()),
             std::sqrt(scale / sums.weight(0, part.size()))};
@@ -245,7 +244,7 @@ class TrendSearch {
   static double criterionOf(const Points& part, double scatter, double chi2, double unknowns) {
     double sum = chi2;
     for (const TrendPoint& p : part) sum += std::log(p.std * p.std + scatter);
-    return sum + unknowns * std::log(static_cast<double>(part.size()));
+    return sum + unknowns * std::log(part.size());
   }
   /// The points [i, j) against all others: a step where they are the last ones.
   static Contrast contrast(const SegmentSums& sums, std::size_t i, std::size_t j) {
@@ -258,7 +257,7 @@ class TrendSearch {
   template <class Places>
   Candidate bestPlace(const Points& part, double families, double unknowns, const Places& places) const {
     Candidate best;
-    const double dof = static_cast<double>(part.size()) - 2.0;
+    const double dof = part.size() - 2.0;
     best.scatter = allStated(part) ? 0.0 : levelScatter(part);
     constexpr int kTurns = 8;
     double count = 0.0;
@@ -312,7 +311,7 @@ class TrendSearch {
   Candidate driftOf(const Points& part, double families) const {
     Candidate drift;
     if (!asksLine(part)) return drift;
-    const double dof = static_cast<double>(part.size()) - 2.0;
+    const double dof = part.size() - 2.0;
     drift.scatter =
         varianceBetween(part, dof, [&](double scatter) { return lineThrough(part, scatter).chi2; });
     const TrendLine line = lineThrough(part, drift.scatter);
@@ -340,7 +339,7 @@ Trend trendOf(const std::vector<TrendPoint>& series, double alpha, double usual)
       std::sqrt(trend.scatter <= leastVariance(points) && !allStated(points) ? 0.0 : trend.scatter);
   trend.start = trend.end = trend.segments.front().level;
   if (!longEnough(points)) return trend;
-  const double dof = static_cast<double>(points.size()) - 2.0;
+  const double dof = points.size() - 2.0;
   const double scatter = varianceBetween(points, dof, [&](double s) { return lineThrough(points, s).chi2; });
   const TrendLine line = lineThrough(points, scatter);
   trend.slope = line.size;
@@ -353,7 +352,7 @@ Trend trendOf(const std::vector<TrendPoint>& series, double alpha, double usual)
 double residualVariance(const std::vector<TrendPoint>& series) {
   if (series.size() < kFewestForLine || !allStated(series) || !longEnough(series)) return std::nan("");
   const std::vector<TrendPoint> points = knownNoBetterThanUsual(series);
-  return lineThrough(points, 0.0).chi2 / (static_cast<double>(points.size()) - 2.0);
+  return lineThrough(points, 0.0).chi2 / (points.size() - 2.0);
 }
 
 }  // namespace mm

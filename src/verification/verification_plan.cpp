@@ -51,13 +51,8 @@ std::vector<Eigen::MatrixXd> rowsOf(const FreshPoints& points, const Calibration
   const Eigen::VectorXd std = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
   const Eigen::MatrixXd all = beside({kFree * points.space().basis(), points.crossed(),
                                       points.byParameter() * std.asDiagonal(), points.shapes()});
-  const Problem& problem = *points.fitted().problem;
-  std::vector<std::vector<int>> of(problem.session().observations.size());
-  for (int i = 0; i < points.rows(); ++i)
-    of[static_cast<std::size_t>(
-           problem.rows()[static_cast<std::size_t>(points.space().used()[static_cast<std::size_t>(i)])]
-               .observation)]
-        .push_back(i);
+  std::vector<std::vector<int>> of(points.fitted().problem->session().observations.size());
+  for (int i = 0; i < points.rows(); ++i) of[points.row(i).observation].push_back(i);
   std::vector<Eigen::MatrixXd> rows;
   for (const std::vector<int>& own : of) rows.emplace_back(all(own, Eigen::all));
   return rows;
@@ -96,12 +91,10 @@ std::vector<std::size_t> verificationMoves(const Plan& plan, const Calibration& 
   for (const SetAside& s :
        session.setAside)  // the repetition of a touch is planned to the bit: it is taken once
     if (s.field != kCopiedRow)
-      throw InputError(plan.source + ":" +
-                       std::to_string(plan.moves[moves[static_cast<std::size_t>(s.row - 1)]].line) +
+      throw InputError(plan.source + ":" + std::to_string(plan.moves[moves[s.row - 1]].line) +
                        ": gives no usable measurement: " + s.why);
   std::vector<std::size_t> usable;
-  for (const Observation& o : session.observations)
-    usable.push_back(moves[static_cast<std::size_t>(o.row - 1)]);
+  for (const Observation& o : session.observations) usable.push_back(moves[o.row - 1]);
   moves = std::move(usable);
   CalibrateOptions options;
   if (!(calibration.repeatability > 0.0)) options.repeatability = kMicrometre;
@@ -111,10 +104,10 @@ std::vector<std::size_t> verificationMoves(const Plan& plan, const Calibration& 
   std::vector<std::string> places;
   for (const std::size_t i : moves) places.push_back(placeOf(plan.moves[i], machine));
   const std::size_t available = std::set<std::string>(places.begin(), places.end()).size();
-  const std::size_t wanted = std::min(available, static_cast<std::size_t>(size.places));
+  const std::size_t wanted = std::min<std::size_t>(available, size.places);
   Knowledge knowledge(rows.empty() ? 0 : rows.front().cols());
   std::vector<char> chosen(moves.size(), 0);
-  for (std::size_t pick = 0; pick < wanted * static_cast<std::size_t>(size.touches); ++pick) {
+  for (std::size_t pick = 0; pick < wanted * size.touches; ++pick) {
     std::size_t best = moves.size();
     double most = -1.0;
     for (std::size_t i = 0; i < moves.size(); ++i) {

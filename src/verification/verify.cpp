@@ -106,7 +106,7 @@ Verification verify(const Session& session, const Calibration& calibration, cons
   Verification found;
   for (int round = 0; round < kOutlierRounds && !system->outliers().empty(); ++round) {
     for (const int i : system->outliers()) {
-      const int row = points->space().used()[static_cast<std::size_t>(i)];
+      const int row = points->space().used()[i];
       weights[row] = 0.0;
       found.outliers.push_back({row, points->fitted().residuals[row]});
     }
@@ -120,9 +120,8 @@ Verification verify(const Session& session, const Calibration& calibration, cons
   found.loaded = options.loaded;
   found.finding = findingOf(found);
   std::set<int> observations;
-  for (const int row : points->space().used())
-    observations.insert(points->fitted().problem->rows()[static_cast<std::size_t>(row)].observation);
-  found.observations = static_cast<int>(observations.size());
+  for (int i = 0; i < points->rows(); ++i) observations.insert(points->row(i).observation);
+  found.observations = observations.size();
   fillShares(*points, *system, calibration, options.loaded, found);
   found.better = figures.improvement > kFiguresDiffer;
   compareWithCalibrated(calibration, figures, found);

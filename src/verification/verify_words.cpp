@@ -208,13 +208,12 @@ std::string inWords(const LoadedHow& hypothesis, const std::vector<std::string>&
   }
   if (hypothesis.exchanges.size() == 2) {
     const Exchange& e = hypothesis.exchanges.front();
-    const std::string both =
-        axes[static_cast<std::size_t>(e.of)] + " and " + axes[static_cast<std::size_t>(e.on)];
+    const std::string both = axes[e.of] + " and " + axes[e.on];
     return both + (e.entered ? " have each other's table" : " have each other's correction");
   }
   if (hypothesis.exchanges.size() == 1) {
     const Exchange& e = hypothesis.exchanges.front();
-    const std::string of = axes[static_cast<std::size_t>(e.of)], on = axes[static_cast<std::size_t>(e.on)];
+    const std::string of = axes[e.of], on = axes[e.on];
     return on + " has the " + (e.entered ? "table" : "correction") + " of " + of + ", and " + of +
            " has none";
   }
