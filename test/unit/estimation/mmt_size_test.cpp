@@ -237,9 +237,10 @@ void expectSameBits(const Figures& a, const Figures& b, const std::string& what)
 }
 
 TEST(MmtSize, TheSameSeedGivesTheSameBitsWithOneAndTwoThreads) {
-  std::vector<Method> methods{Method::kStagedMutation};
-  if (mm_test::thoroughTests()) methods.push_back(Method::kNiching);  // every day Genetic.sameSeed… has it
-  for (const Method method : methods) {
+  MM_THOROUGH_ONLY(
+      "every day SphereFitness.sameBitsWithOneAndTwoThreads asks it of the search, and "
+      "Diagnose.TheSameBitsWhateverTheThreads of least squares");
+  for (const Method method : {Method::kStagedMutation, Method::kNiching}) {
     const auto run = [&](unsigned threads) {
       CalibrateOptions options = optionsOf(method, 11, threads);
       options.stagedMutation.generations = mm_test::longTests() ? 100 : 15;

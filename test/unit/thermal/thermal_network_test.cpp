@@ -61,7 +61,7 @@ std::unique_ptr<ThermalNetwork> fitted(NetworkKind kind, const MatrixXd& x, cons
 constexpr NetworkKind kKinds[] = {NetworkKind::kDfnn, NetworkKind::kRbf, NetworkKind::kRidge};
 
 TEST(Dfnn, LearnsTheHermiteFunction) {
-  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+  for (std::uint64_t seed = 1; seed <= (mm_test::thoroughTests() ? 3 : 1); ++seed) {
     const Hermite train(200, seed), test(200, 100 + seed);
     const auto network = fitted(NetworkKind::kDfnn, train.x, train.y);
     EXPECT_GE(network->rules(), 5);
