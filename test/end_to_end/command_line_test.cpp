@@ -105,7 +105,7 @@ TEST_F(CommandLine, CtrlCEndsAReadThatWaits) {
 }
 
 TEST_F(CommandLine, AddAllGoesTheWholeWay) {
-  run("simulate --machine three_axis --plan " + points(15) + " --hide backlash:x=3um --seed 5 -o way.bag");
+  run("simulate --machine three_axis --plan " + points(8) + " --hide backlash:x=3um --seed 5 -o way.bag");
   folder_->write("none.yaml", "machine: three_axis\neffects: []\n");
   run("calibrate way.bag --model none.yaml --method least_squares -o way.yaml");
   const Answer answer = typed("add way.bag --calibration way.yaml --all -o way_end.yaml --json");

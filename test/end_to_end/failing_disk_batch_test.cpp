@@ -66,6 +66,8 @@ TEST_F(FailingBatch, TheSameLineGoesOn) {
   int refused = 0, failed = 0;
   for (const DiskFault& fault : all) {
     if (fault.anew && !mm_test::longTests() && fault.n % 2 == 0) continue;
+    // every day a disk that stays broken from this write on stands for one write that fails
+    if (!mm_test::thoroughTests() && !fault.reads && fault.way == DiskFault::Way::kOnce) continue;
     SCOPED_TRACE(fault.inWords());
     fs::remove_all(results());
     if (!fault.anew) fs::copy(copy(), results(), fs::copy_options::recursive);
