@@ -35,17 +35,13 @@ std::optional<TableForm> asOwnFormat(const TextFile& file, const Machine& machin
       if (form->columns[k].role == CsvRole::kTime && parseCalendar(cells[k])) return std::nullopt;
     if (++looked == kLooked) break;
   }
-  if (form && std::none_of(form->columns.begin(), form->columns.end(),
-                           [](const CsvColumn& c) { return c.role == CsvRole::kTime; }))
-    return std::nullopt;
+  if (form && !form->hasAny({CsvRole::kTime})) return std::nullopt;
   return form;
 }
 
 std::string ownUnit(const CsvColumn& c) {
-  if (c.role == CsvRole::kFeature || c.role == CsvRole::kSetup || c.role == CsvRole::kPlacement ||
-      c.role == CsvRole::kStylus || c.role == CsvRole::kDirection)
-    return "";
   if (c.role == CsvRole::kTemperature || c.role == CsvRole::kCovariate) return c.unit;
+  if (factsOf(c.role).quantity == RoleQuantity::kNone) return "";
   return parseUnit(splitUnit(c.header).unitText, std::nullopt).value_or(Unit{}).symbol;
 }
 

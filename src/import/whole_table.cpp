@@ -14,12 +14,6 @@
 namespace mm {
 namespace {
 
-bool hasAny(const TableForm& form, std::initializer_list<CsvRole> roles) {
-  return std::any_of(form.columns.begin(), form.columns.end(), [&](const CsvColumn& c) {
-    return std::find(roles.begin(), roles.end(), c.role) != roles.end();
-  });
-}
-
 /// What may hold the measurement of a table in which nothing says so: the column left out that is in the
 /// smallest unit of length, else one of a few words, else the last.
 ColumnRemedy guessed(const TableLayout& layout, const std::vector<ColumnSample>& samples,
@@ -179,16 +173,16 @@ void completeTable(const ImportContext& context, const TableLayout& layout,
   const Machine& machine = context.machine;
   if (!faults.empty()) return;
   settleRedundant(context, layout, form, faults);
-  if (hasAny(form, {CsvRole::kFeature}) && context.artifact == nullptr)
+  if (form.hasAny({CsvRole::kFeature}) && context.artifact == nullptr)
     faults.add(faults.place() +
                "the file names features; give the artifact that defines them, with --artifact");
-  if (!hasAny(form, {CsvRole::kFeature, CsvRole::kReference, CsvRole::kDeviation, CsvRole::kMeasured}))
+  if (!form.hasAny({CsvRole::kFeature, CsvRole::kReference, CsvRole::kDeviation, CsvRole::kMeasured}))
     onlyFeature(context, layout, samples, form, faults);
-  if (!hasAny(form, {CsvRole::kPosition}) && faults.empty() && form.fixed.empty())
+  if (!form.hasAny({CsvRole::kPosition}) && faults.empty() && form.fixed.empty())
     faults.add(
         faults.place() + "no column is a reading of a joint of this machine (" + jointNames(machine) + ")",
         {0, machine.joints().front().name + "_mm", ""});
-  if (!hasAny(form, {CsvRole::kTime, CsvRole::kDate}))
+  if (!form.hasAny({CsvRole::kTime, CsvRole::kDate}))
     context.note("no time column: rows are taken in their order; no effect of time can be told");
 }
 

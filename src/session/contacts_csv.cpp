@@ -77,14 +77,13 @@ class TableReader {
   }
 
   /// What no row can have is said once.
-  template <typename Has>
-  void checkMeasured(const Has& has) const {
-    if (has({CsvRole::kFeature})) return;
-    if (has({CsvRole::kLength}))
+  void checkMeasured() const {
+    if (form_.hasAny({CsvRole::kFeature})) return;
+    if (form_.hasAny({CsvRole::kLength}))
       fail(
           "column 'feature' is missing: it names the point of the artifact file from which 'length_mm' was "
           "measured");
-    if (!has({CsvRole::kReference, CsvRole::kDeviation, CsvRole::kMeasured}))
+    if (!form_.hasAny({CsvRole::kReference, CsvRole::kDeviation, CsvRole::kMeasured}))
       fail(
           "no column holds a measurement; add 'feature' (balls that were touched), 'reference_x_mm' … (true "
           "positions), 'deviation_" +
@@ -94,20 +93,15 @@ class TableReader {
   }
 
   void readColumns(bool hasArtifact) {
-    const auto has = [&](std::initializer_list<CsvRole> roles) {
-      return std::any_of(form_.columns.begin(), form_.columns.end(), [&](const CsvColumn& c) {
-        return std::find(roles.begin(), roles.end(), c.role) != roles.end();
-      });
-    };
-    hasDate_ = has({CsvRole::kDate});
-    hasTime_ = has({CsvRole::kTime}) || hasDate_;
+    hasDate_ = form_.hasAny({CsvRole::kDate});
+    hasTime_ = form_.hasAny({CsvRole::kTime}) || hasDate_;
     if (!hasTime_) session_.timesAssumed = kTimesInOrder;
-    hasPlacement_ = has({CsvRole::kPlacement});
-    hasDeviation_ = has({CsvRole::kDeviation, CsvRole::kDeviationStd, CsvRole::kMeasured});
+    hasPlacement_ = form_.hasAny({CsvRole::kPlacement});
+    hasDeviation_ = form_.hasAny({CsvRole::kDeviation, CsvRole::kDeviationStd, CsvRole::kMeasured});
     if (!hasTime_ && states_ == nullptr && form_.own) fail("column 'time_s' is missing");
-    if (has({CsvRole::kFeature}) && !hasArtifact && states_ == nullptr)
+    if (form_.hasAny({CsvRole::kFeature}) && !hasArtifact && states_ == nullptr)
       fail("column 'feature' needs an artifact that says what the features are; give one with --artifact");
-    if (states_ == nullptr && form_.onlyFeature < 0) checkMeasured(has);
+    if (states_ == nullptr && form_.onlyFeature < 0) checkMeasured();
     ranges_.resize(form_.columns.size());
     zeroUnlessColumn_.assign(session_.machine.joints().size(), 0.0);
     for (const CsvColumn& c : form_.columns) {
@@ -338,6 +332,12 @@ void finish(Session& session, const Artifact* artifact) {
 }
 
 }  // namespace
+
+bool TableForm::hasAny(std::initializer_list<CsvRole> roles) const {
+  return std::any_of(columns.begin(), columns.end(), [&](const CsvColumn& c) {
+    return std::find(roles.begin(), roles.end(), c.role) != roles.end();
+  });
+}
 
 void ColumnRange::add(std::string_view cell) {
   if (count++ == 0) first = std::string(cell);

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <initializer_list>
 #include <map>
 #include <string>
 #include <string_view>
@@ -27,6 +28,8 @@ struct TableForm {
   std::vector<std::pair<int, double>> fixed;    // joints without a column that did not stand at 0: m or rad
   int onlyFeature = -1;                         // touched in each row, where no column says so
   bool absoluteTime = false;                    // times count from 1970-01-01 UTC
+
+  bool hasAny(std::initializer_list<CsvRole> roles) const;  ///< a column of one of them
 };
 
 /// Of a table in the package's own columns: one row a contact or a measurement by an independent instrument,

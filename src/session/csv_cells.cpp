@@ -72,27 +72,19 @@ bool splitAtBlanks(std::string_view line, std::vector<std::string_view>& cells) 
 bool splitCells(std::string_view line, std::vector<std::string_view>& cells, char separator) {
   cells.clear();
   if (separator == ' ') return splitAtBlanks(line, cells);
-  std::size_t begin = 0;
-  for (;;) {
-    std::size_t start = begin;
-    while (start < line.size() && line[start] == ' ') ++start;
-    if (start < line.size() && line[start] == '"') {
-      const std::size_t close = line.find('"', start + 1);
-      if (close == std::string_view::npos) return false;
-      const std::size_t next = line.find(separator, close);
-      if (!trim(line.substr(close + 1, next == std::string_view::npos ? next : next - close - 1)).empty())
-        return false;
-      cells.push_back(line.substr(start + 1, close - start - 1));
-      if (next == std::string_view::npos) return true;
-      begin = next + 1;
-      continue;
-    }
-    const std::size_t next = line.find(separator, begin);
-    if (next == std::string_view::npos) {
-      cells.push_back(trim(line.substr(begin)));
-      return true;
-    }
-    cells.push_back(trim(line.substr(begin, next - begin)));
+  for (std::size_t begin = 0;;) {
+    const std::size_t first = std::min(line.size(), line.find_first_not_of(' ', begin));
+    const bool quoted = line.substr(first, 1) == "\"";
+    const std::size_t close = quoted ? line.find('"', first + 1) : begin;
+    if (close == std::string_view::npos) return false;
+    const std::size_t next = std::min(line.size(), line.find(separator, close));
+    if (!quoted)
+      cells.push_back(trim(line.substr(begin, next - begin)));
+    else if (trim(line.substr(close + 1, next - close - 1)).empty())
+      cells.push_back(line.substr(first + 1, close - first - 1));
+    else
+      return false;
+    if (next == line.size()) return true;
     begin = next + 1;
   }
 }

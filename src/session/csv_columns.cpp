@@ -10,6 +10,7 @@
 #include "base/text.h"
 #include "base/units.h"
 #include "machine/joint_units.h"
+#include "session/csv_cells.h"
 
 namespace mm {
 namespace {
@@ -120,9 +121,7 @@ bool resemblesKnown(const Known& known, const std::string& header) {
 }
 
 bool isTemperatureUnit(const std::string& unit) {
-  static const std::set<std::string> kUnits = {"c",      "degc", "celsius", "k",         "degk",
-                                               "kelvin", "f",    "degf",    "fahrenheit"};
-  return kUnits.count(lower(unit)) > 0;
+  return isOneOf(lower(unit), "c|degc|celsius|k|degk|kelvin|f|degf|fahrenheit");
 }
 
 /// Names of sensors and covariates become topics.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <ctime>
 #include <string>
 
 namespace mm {
@@ -57,14 +58,12 @@ class Scanner {
 
 /// Days from 1970-01-01 in the Gregorian calendar; false when there is no such day.
 bool daysOf(int year, int month, int day, std::int64_t& days) {
-  static const int kLengths[] = {31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
-  if (year < 1970 || year > 2105 || month < 1 || month > 12 || day < 1) return false;
-  const auto leap = [](int y) { return (y % 4 == 0 && y % 100 != 0) || y % 400 == 0; };
-  if (day > kLengths[month - 1] + (month == 2 && leap(year) ? 1 : 0)) return false;
-  days = day - 1;
-  for (int y = 1970; y < year; ++y) days += leap(y) ? 366 : 365;
-  for (int m = 1; m < month; ++m) days += kLengths[m - 1] + (m == 2 && leap(year) ? 1 : 0);
-  return true;
+  std::tm date{};
+  date.tm_year = year - 1900;
+  date.tm_mon = month - 1;
+  date.tm_mday = day;
+  days = timegm(&date) / 86400;  // makes a day that there is of one that there is not: of 31.2. the 3.3.
+  return year >= 1970 && year <= 2105 && date.tm_mon == month - 1 && date.tm_mday == day;
 }
 
 bool clock(Scanner& s, std::int64_t& ns) {
