@@ -24,20 +24,7 @@ std::vector<std::vector<std::string>> stagesOf(const std::string& text) {
   return stages;
 }
 
-/// Publishes a status where it says something else than the last one, and every second.
-template <typename Status>
-void publishNews(const ros::Publisher& out, const Status& status, Status& last) {
-  const ros::Time stamp = status.header.stamp, next = last.header.stamp + ros::Duration(1.0);
-  Status same = last;
-  same.header = status.header;
-  if (same == status && stamp < next && next - stamp < ros::Duration(2.0)) return;
-  last = status;
-  out.publish(status);
-}
-
-}  // namespace
-
-MotionControl::Settings AxisDriver::settings(const ros::NodeHandle& own, bool clock) {
+MotionControl::Settings controlSettings(const ros::NodeHandle& own, bool clock) {
   refuseUnknownParameters(
       own, {"rate",          "linear_speed", "rotary_speed", "temperature_rate", "time_factor",
             "clock",         "hardware",     "tolerance",    "rotary_tolerance", "silence",
@@ -61,13 +48,26 @@ MotionControl::Settings AxisDriver::settings(const ros::NodeHandle& own, bool cl
   return settings;
 }
 
+/// Publishes a status where it says something else than the last one, and every second.
+template <typename Status>
+void publishNews(const ros::Publisher& out, const Status& status, Status& last) {
+  const ros::Time stamp = status.header.stamp, next = last.header.stamp + ros::Duration(1.0);
+  Status same = last;
+  same.header = status.header;
+  if (same == status && stamp < next && next - stamp < ros::Duration(2.0)) return;
+  last = status;
+  out.publish(status);
+}
+
+}  // namespace
+
 AxisDriver::AxisDriver(ros::NodeHandle node, ros::NodeHandle own, std::shared_ptr<AxisController> controller,
                        const Machine& machine)
     : machine_(machine),
       prefix_(framePrefix(own)),
       clock_(flagParameter(own, "clock", false)),
       controller_(std::move(controller)),
-      control_(controller_, machine_, settings(own, clock_)),
+      control_(controller_, machine_, controlSettings(own, clock_)),
       holdSpinner_(1, &holdQueue_),
       leaseSpinner_(1, &leaseQueue_),
       updater_(node, own, ros::this_node::getName()) {

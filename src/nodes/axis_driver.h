@@ -68,7 +68,6 @@ class AxisDriver {
     std::string sender;
   };
 
-  static MotionControl::Settings settings(const ros::NodeHandle& own, bool clock);
   void advertise(ros::NodeHandle own);
   void watchListeners(ros::NodeHandle own);
 

@@ -34,7 +34,7 @@ std::string JointOwners::rivalOf(const Sender& sender, const std::vector<int>& j
   for (const int j : joints) {
     const Joint& joint = joints_[j];
     if (joint.owner == sender.name || joint.owner.empty()) continue;
-    if (byStatus ? !joint.byStatus : false) continue;  // a driver that says so, before one that was first
+    if (byStatus && !joint.byStatus) continue;  // a driver that says so, before one that was first
     const bool left = gone(joint.owner, now);
     if (left && (byStatus || !joint.byStatus)) continue;
     return format("joint %s belongs to %s%s, so joint states from %s are ignored; end one of the two",

@@ -19,7 +19,11 @@ class PersistentCall {
       : PersistentCall([node, name] { return ros::NodeHandle(node).serviceClient<Service>(name, true); }) {}
   /// @param open makes a connection, as it is after that.
   explicit PersistentCall(Open open) : open_(std::move(open)) {}
-  ~PersistentCall() { close(); }
+  /// A call that waits for its answer ends without one.
+  ~PersistentCall() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    client_.shutdown();
+  }
   PersistentCall(const PersistentCall&) = delete;
   PersistentCall& operator=(const PersistentCall&) = delete;
 
@@ -61,11 +65,6 @@ class PersistentCall {
   /// Calls on the open connection, and where that does not answer on a new one.
   bool callAnew(Service& service, double seconds) {
     return call(service, seconds) || (connect() && call(service, seconds));
-  }
-  /// A call that waits for its answer ends without one.
-  void close() {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    client_.shutdown();
   }
 
  private:

@@ -10,11 +10,11 @@
 #include "base/error.h"
 #include "ros_bridge/message_conversion.h"
 #include "ros_bridge/node_support.h"
+#include "session/travel_tracker.h"
 
 namespace mm {
 namespace {
 
-constexpr double kStanding = 1e-6;     // m/s, rad/s: slower is standing
 constexpr double kStillMoving = 0.3;   // s after the last state that moved
 constexpr double kFrameKept = 1.0;     // s: an older frame is no longer told
 constexpr double kPlanLease = 0.5;     // s: a plan that is not renewed for so long ends
@@ -110,10 +110,9 @@ void RosMachine::takeJoints(const sensor_msgs::JointStateConstPtr& message) {
   for (std::size_t i = 0; i < message->name.size() && i < message->position.size(); ++i) {
     const int joint = machine_.findJoint(message->name[i]);
     if (joint < 0) continue;
-    double& reading = readings_[static_cast<std::size_t>(joint)];
-    const bool fast = i < message->velocity.size() && std::abs(message->velocity[i]) > kStanding;
-    if (fast) moved_ = ros::WallTime::now();
-    reading = message->position[i];
+    const bool moves = i < message->velocity.size() && directionOf(message->velocity[i]) != 0.0;
+    if (moves) moved_ = ros::WallTime::now();
+    readings_[static_cast<std::size_t>(joint)] = message->position[i];
   }
 }
 
