@@ -82,18 +82,14 @@ class JobAction {
   };
 
   void take(Handle goal) {
-    bool busy;
     {
       const std::lock_guard<std::mutex> lock(mutex_);
-      busy = goal_.has_value();
-      if (!busy) {
+      if (!goal_) {
         goal_ = goal;
         asked_ = false;
+        news_.notify_all();
+        return;
       }
-    }
-    if (!busy) {
-      news_.notify_all();
-      return;
     }
     Result result;
     const std::string why = job_.whyBusy();
