@@ -48,8 +48,7 @@ class Bookkeeping {
     std::vector<JobResult> toEnter;
     for (const BatchJob& job : manifest.jobs) {
       sources_[job.key] = job.source + ": " + job.bag.string();
-      std::optional<JobResult> result;
-      if (const auto text = results.result(job.key)) result = parseResult(*text, place(job.key));
+      std::optional<JobResult> result = resultOf(job.key);
       if (result && result->status == "failed" && (again || result->again)) {
         tables_.takeOut(job.key);
         results.forget(job.key);
@@ -76,9 +75,9 @@ class Bookkeeping {
   void collect() {
     std::vector<JobResult> ended;
     for (auto at = waiting_.begin(); at != waiting_.end();) {
-      const auto text = results_.result(*at);
-      if (text) ended.push_back(parseResult(*text, place(*at)));
-      at = text ? waiting_.erase(at) : std::next(at);
+      const std::optional<JobResult> result = resultOf(*at);
+      if (result) ended.push_back(*result);
+      at = result ? waiting_.erase(at) : std::next(at);
     }
     summary_.left = waiting_.size();
     if (ended.empty()) return;
@@ -90,8 +89,10 @@ class Bookkeeping {
   }
 
  private:
-  std::string place(const std::string& key) const {
-    return (results_.jobFolder(key) / "result.json").string();
+  std::optional<JobResult> resultOf(const std::string& key) const {
+    const std::optional<std::string> text = results_.result(key);
+    if (!text) return std::nullopt;
+    return parseResult(*text, (results_.jobFolder(key) / "result.json").string());
   }
   void note(const JobResult& r) { summary_.whys.push_back(sources_[r.key] + ": " + r.failed + ": " + r.why); }
 

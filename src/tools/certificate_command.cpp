@@ -94,18 +94,14 @@ std::string sessionAgainstSeal(const CertificateCommand& c, const Calibration& c
 
 /// What was compared with a certificate of these contents, a line each.
 std::string comparedWith(const CertificateCommand& c, const CertificateSeal& seal) {
-  std::string compared;
   const std::string file = fileAtHand(c, seal.calibration);
-  if (file.empty()) {
-    compared = "calibration file: not available; name it, or its folder with --store, to compare it\n";
-  } else {
-    const Calibration calibration = heldAgainstSeal(c, file, seal);
-    compared = "calibration file " + file + ": " +
-               (seal.checksum.empty() ? "of this id; the seal does not record its CRC-64"
-                                      : "the one that was certified, CRC-64 " + seal.checksum) +
-               "\n" + sessionAgainstSeal(c, calibration, seal) + "\n";
-  }
-  return compared;
+  if (file.empty())
+    return "calibration file: not available; name it, or its folder with --store, to compare it\n";
+  const Calibration calibration = heldAgainstSeal(c, file, seal);
+  return "calibration file " + file + ": " +
+         (seal.checksum.empty() ? "of this id; the seal does not record its CRC-64"
+                                : "the one that was certified, CRC-64 " + seal.checksum) +
+         "\n" + sessionAgainstSeal(c, calibration, seal) + "\n";
 }
 
 std::string whichCertificate(const CertificateSeal& seal) {
@@ -216,7 +212,8 @@ std::optional<StoreRecord> recordOf(const CertificateCommand& c, const Calibrati
   }
 }
 
-std::string formOf(const std::string& file) { return endsWith(lower(file), ".xml") ? "digital" : "paper"; }
+/// Whether the name of a file ends so, in small letters or capitals.
+bool isNamed(const std::string& file, const char* ending) { return endsWith(lower(file), ending); }
 
 /// A store that cannot be used is no reason to issue nothing.
 template <typename Use>
@@ -245,20 +242,20 @@ void numberIssue(const IssueNumber& before, Certificate& certificate) {
 void listIssue(const CertificateCommand& c, const Certificate& certificate) {
   const IssueNumber number = IssueNumber::parsed(certificate.number);
   withStore(certificate, [&](const CalibrationStore& store) {
-    store.noteIssue({number.stamp, number.calibration, formOf(c.output), number.count});
+    const std::string form = isNamed(c.output, ".xml") ? "digital" : "paper";
+    store.noteIssue({number.stamp, number.calibration, form, number.count});
   });
 }
 
 /// The certificate as the file that was asked for.
 std::string contentOf(const CertificateCommand& c, const Certificate& certificate,
                       const std::optional<SigningKey>& key) {
-  const std::string name = lower(c.output);
-  if (endsWith(name, ".xml")) {
+  if (isNamed(c.output, ".xml")) {
     const std::string xml = dccOf(certificate, key ? &*key : nullptr);
     return key ? signedXml(xml, c.sign, key->fingerprint) : xml;
   }
   std::string content = certificatePage(certificate);
-  if (endsWith(name, ".pdf")) content = printedPdf(content);
+  if (isNamed(c.output, ".pdf")) content = printedPdf(content);
   const Calibration& calibration = certificate.calibration;
   return sealedCertificate(
       content, {calibration.id, certificate.number, certificate.checksum, calibration.sessionHash, {}});
@@ -276,9 +273,8 @@ int runCertificate(CertificateCommand& c) {
   c.files.input(c.sign);
   c.files.output("-o", c.output, FileKind::kCertificate);
   c.files.check();
-  const bool pdf = endsWith(lower(c.output), ".pdf"), html = endsWith(lower(c.output), ".html"),
-             xml = endsWith(lower(c.output), ".xml");
-  if (!pdf && !html && !xml)
+  const bool pdf = isNamed(c.output, ".pdf"), xml = isNamed(c.output, ".xml");
+  if (!pdf && !xml && !isNamed(c.output, ".html"))
     throw InputError("-o " + c.output + ": a certificate is .pdf, .html or .xml; name a file that ends so");
   if (!c.sign.empty() && !xml)
     throw InputError("--sign " + c.sign + ": only an XML certificate is signed, and -o names " + c.output +

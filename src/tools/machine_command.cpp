@@ -83,17 +83,17 @@ EffectSpec periodicError(const std::string& text, const Machine& machine) {
 /// turns; of a laser, where it is mounted.
 std::string modelYaml(const Machine& machine, const std::string& urdf, const std::vector<EffectSpec>& screws,
                       bool laser) {
-  std::string text = "machine: " + urdf + "\neffects:\n";
   std::vector<std::string> linear;
   for (const Joint& j : machine.joints())
     if (j.kind == JointKind::kLinear) linear.push_back(j.name);
+  std::string text;
   for (const std::string& name : linear) text += "  - {type: scale, axis: " + name + "}\n";
   for (std::size_t i = 0; i < linear.size(); ++i)
     for (std::size_t j = i + 1; j < linear.size(); ++j)
       text += "  - {type: squareness, axis: " + linear[i] + ", of: " + linear[j] + "}\n";
   for (const EffectSpec& screw : screws) text += "  - " + screw.yaml() + "\n";
   if (laser) text += "  - {type: laser_mount}\n";
-  return linear.empty() && screws.empty() && !laser ? "machine: " + urdf + "\neffects: []\n" : text;
+  return "machine: " + urdf + "\neffects:" + (text.empty() ? " []\n" : "\n" + text);
 }
 
 void runNewMachine(MachineOptions& o) {

@@ -10,7 +10,6 @@
 #include "calibration_file/atomic_file.h"
 #include "calibration_file/calibration_yaml.h"
 #include "export/export_folder.h"
-#include "ros_bridge/bag_origin.h"
 #include "ros_bridge/bag_session.h"
 
 namespace mm {

@@ -15,8 +15,9 @@ namespace {
 
 struct ReportCommand {
   Bags bags;
-  std::string calibration, output = "report.html", plotly, serial, operatorName;
+  std::string calibration, output = "report.html", plotly;
   std::vector<std::string> curves;
+  ReportOptions report;
   FitOptions fit;
   OutputFiles files;
 };
@@ -29,12 +30,10 @@ void runReport(ReportCommand& c) {
   c.files.output("-o", c.output, FileKind::kPage);
   c.files.check();
   const ReportFiles files = loadReportFiles(c.plotly);
-  ReportOptions options;
+  ReportOptions& options = c.report;
   options.diagnose = diagnosing(c.fit.checked());
   options.sessionPath = c.bags.joined();
   options.calibrationPath = c.calibration;
-  options.serial = c.serial;
-  options.operatorName = c.operatorName;
   for (const std::string& curve : c.curves) options.curves.push_back(readConvergenceCurve(curve));
   std::optional<Calibration> calibration;
   if (!c.calibration.empty()) calibration = loadCalibration(c.calibration);
@@ -63,8 +62,8 @@ void addReportCommand(CLI::App& app, int& exitStatus) {
   command.add_option("-o,--output", c.output, "the page")->capture_default_str();
   command.add_option("--curve", c.curves, "CSV of mm calibrate --curve; two curves are plotted side by side")
       ->expected(1, 2);
-  command.add_option("--serial", c.serial, "serial number of the machine, for the page header");
-  command.add_option("--operator", c.operatorName, "name of the operator, for the page header");
+  command.add_option("--serial", c.report.serial, "serial number of the machine, for the page header");
+  command.add_option("--operator", c.report.operatorName, "name of the operator, for the page header");
   command.add_option("--plotly", c.plotly, "path of plotly.min.js, if it was not fetched during the build");
   c.files.declare(command);
   c.fit.declare(command, true);
