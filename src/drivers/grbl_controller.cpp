@@ -19,7 +19,6 @@ constexpr double kUnwelcome = 1.5;  // s for the greeting after a soft reset
 
 }  // namespace
 
-GrblController::GrblController() = default;
 GrblController::~GrblController() { close(); }
 
 void GrblController::open(const ControllerSetup& setup) {

@@ -24,7 +24,6 @@ namespace mm {
 /// this one starts), `helper` (its path).
 class GrblController final : public AxisController {
  public:
-  GrblController();
   ~GrblController() override;
 
   void open(const ControllerSetup& setup) override;

@@ -19,7 +19,6 @@ constexpr double kStopRefused = 1.5;  // s until that is hopeless
 
 }  // namespace
 
-LinuxCncController::LinuxCncController() = default;
 LinuxCncController::~LinuxCncController() { close(); }
 
 void LinuxCncController::open(const ControllerSetup& setup) {

@@ -21,7 +21,6 @@ namespace mm {
 /// lost), `dead_man` (s without a sign of this process: stopped), `helper` (path).
 class LinuxCncController final : public AxisController {
  public:
-  LinuxCncController();
   ~LinuxCncController() override;
 
   void open(const ControllerSetup& setup) override;

@@ -78,7 +78,6 @@ struct TextTable {
 /// What files say of keys, the last time that they do.
 class KeyedValues {
  public:
-  KeyedValues() = default;
   /// @param whole place for messages of what is missing.
   explicit KeyedValues(FilePlace whole) : whole_(std::move(whole)) {}
 

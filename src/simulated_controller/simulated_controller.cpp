@@ -129,12 +129,7 @@ Capabilities SimulatedController::capabilities() const {
   can.notes.push_back(errors_);
   for (std::size_t j = 0; j < axes_.size(); ++j) {
     const Joint& joint = instrument_->machine.machine().joints()[j];
-    AxisCapability axis;
-    axis.lower = joint.lower;
-    axis.upper = joint.upper;
-    axis.maxVelocity = joint.maxVelocity;
-    axis.acceleration = acceleration_[j];
-    can.axes.push_back(axis);
+    can.axes.push_back({joint.lower, joint.upper, joint.maxVelocity, acceleration_[j]});
   }
   return can;
 }

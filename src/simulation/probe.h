@@ -6,7 +6,6 @@ namespace mm {
 /// A touch probe whose stylus carrier rests on seats: it trips later where the seats resist more (lobing).
 class SeatedProbe {
  public:
-  SeatedProbe() = default;
   /// @param seats 2, 3 or 4. @param size m, amplitude of the harmonic of that order. @param phase rad about
   /// the stylus.
   void setLobing(int seats, double size, double phase);

@@ -49,7 +49,6 @@ struct Ambient {
 /// The last body is always the air, whose temperature is given.
 class ThermalModel {
  public:
-  ThermalModel() = default;
   /// All bodies start at the room's temperature plus `startOffset` (K).
   ThermalModel(std::vector<Body> bodies, std::vector<Contact> contacts, std::vector<HeatSchedule> heat,
                Ambient ambient, double startOffset = 0.0);
