@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/distributions.h"
+#include "base/erase_if.h"
 #include "base/format.h"
 #include "base/quantity_words.h"
 #include "base/text.h"
@@ -30,11 +31,11 @@ std::string threeDigits(double value) {
 StatedFigure figureWith(const std::string& of, const std::string& name, double value, double expanded,
                         const std::string& unit) {
   const int decimals = decimalsOf(expanded);
-  return {of, name, decimalText(value, decimals), decimalText(expanded, decimals), unit, false, {}};
+  return {of, name, decimalText(value, decimals), decimalText(expanded, decimals), unit};
 }
 
 StatedFigure figureAlone(const std::string& name, double value, const std::string& unit) {
-  StatedFigure figure{{}, name, threeDigits(value), {}, unit, false, {}};
+  StatedFigure figure{{}, name, threeDigits(value), {}, unit};
   figure.note = "informative, without uncertainty";
   return figure;
 }
@@ -116,9 +117,10 @@ StatedFigure figureOfQuantity(const QuantityUncertainty& q, bool wholeTest) {
   const int decimals = decimalsOf(2.0 * q.std / unit);
   figure.expanded.clear();
   figure.standard = decimalText(q.std / unit, decimalsOf(q.std / unit));
-  figure.interval = decimalText(q.lower / unit, decimals) + " … " + decimalText(q.upper / unit, decimals);
-  figure.note = "95 % between " + decimalText(q.lower / unit, decimals) + " and " +
-                decimalText(q.upper / unit, decimals);
+  const std::string lower = decimalText(q.lower / unit, decimals),
+                    upper = decimalText(q.upper / unit, decimals);
+  figure.interval = lower + " … " + upper;
+  figure.note = "95 % between " + lower + " and " + upper;
   return figure;
 }
 
@@ -193,10 +195,8 @@ LengthTable lengthTable(const TaskUncertainty& task) {
 }
 
 std::vector<StatedGroup> statedGroups(const Certificate& c) {
-  std::vector<StatedGroup> groups;
-  for (StatedGroup& group :
-       std::vector<StatedGroup>{parameterFigures(c.calibration), residualFigures(c.calibration)})
-    if (!group.figures.empty()) groups.push_back(std::move(group));
+  std::vector<StatedGroup> groups = {parameterFigures(c.calibration), residualFigures(c.calibration)};
+  eraseIf(groups, [](const StatedGroup& group) { return group.figures.empty(); });
   if (c.session) {
     groups.push_back(sessionFigures(*c.session, false));
     groups.push_back(sessionFigures(*c.session, true));

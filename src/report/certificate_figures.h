@@ -15,7 +15,7 @@ struct StatedFigure {
   std::string expanded;           // U (k = 2), in `unit`; empty: none is stated
   std::string unit;               // "um", "mm", "um/m", "1" …
   bool held = false;              // by a convention: it has no uncertainty
-  std::string distribution;       // of the value; empty: not stated
+  std::string distribution = {};  // of the value; empty: not stated
   std::string coverage = "0.95";  // probability of value ± U
   std::string standard = {};      // u, in `unit`, of what is not symmetric about its value; it has no U
   std::string interval = {};      // 95 % of it: "0.12 … 0.55"

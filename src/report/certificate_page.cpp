@@ -123,7 +123,7 @@ std::string unitShown(const std::string& unit) { return unit == "um" ? std::stri
 std::string expandedShown(const StatedFigure& f) {
   if (f.held) return "held";
   if (!f.interval.empty()) return "95 %: " + f.interval;
-  if (f.expanded.empty()) return f.note.empty() ? "–" : f.note;
+  if (f.expanded.empty()) return f.note;
   if (f.unit != "mm") return f.expanded;
   const std::size_t point = f.expanded.find('.');
   const int decimals = point == std::string::npos ? 0 : static_cast<int>(f.expanded.size() - point) - 1;

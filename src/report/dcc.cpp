@@ -246,8 +246,7 @@ void addReference(XMLElement& results, const Certificate& c) {
   XMLElement& stated = add(equipment, "dcc:measuringEquipmentQuantities");
   const auto state = [&](const char* name, double expanded, const char* unit) {
     if (expanded > 0.0) {
-      addQuantity(stated, "dcc:measuringEquipmentQuantity",
-                  {{}, name, format("%.2g", expanded), {}, unit, false, {}});
+      addQuantity(stated, "dcc:measuringEquipmentQuantity", {{}, name, format("%.2g", expanded), {}, unit});
       return;
     }
     XMLElement& quantity = add(stated, "dcc:measuringEquipmentQuantity");
@@ -277,10 +276,8 @@ void addConditions(XMLElement& results, const Domain& d) {
       addText(range, "dcc:text", "not recorded");
       continue;
     }
-    addQuantity(range, "dcc:quantity",
-                {{}, "lowest", format("%.1f", d.sensorLower[s]), {}, "degC", false, {}});
-    addQuantity(range, "dcc:quantity",
-                {{}, "highest", format("%.1f", d.sensorUpper[s]), {}, "degC", false, {}});
+    for (const auto& [name, value] : {std::pair{"lowest", d.sensorLower[s]}, {"highest", d.sensorUpper[s]}})
+      addQuantity(range, "dcc:quantity", {{}, name, format("%.1f", value), {}, "degC"});
   }
 }
 

@@ -30,11 +30,7 @@ struct Releaser {
 };
 using PublicKeyPointer = std::unique_ptr<EVP_PKEY, Releaser<EVP_PKEY, EVP_PKEY_free>>;
 using X509Pointer = std::unique_ptr<X509, Releaser<X509, X509_free>>;
-
-struct BioReleaser {
-  void operator()(BIO* b) const { BIO_free(b); }
-};
-using BioPointer = std::unique_ptr<BIO, BioReleaser>;
+using BioPointer = std::unique_ptr<BIO, Releaser<BIO, BIO_free_all>>;
 
 BioPointer bioOf(const std::string& bytes) {
   return BioPointer(BIO_new_mem_buf(bytes.data(), static_cast<int>(bytes.size())));

@@ -17,17 +17,16 @@ namespace fs = std::filesystem;
 std::string plotlyText(const fs::path& given) {
   const std::string fetch =
       std::string("npm pack ") + MM_PLOTLY_PACKAGE + "; tar xzf plotly.js-dist-min-*.tgz";
-  std::string text = given.empty() ? fetchedFile("plotly.min.js") : std::string();
   const fs::path path = given.empty() ? fs::path("plotly.min.js") : given;
+  if (!given.empty() && !fs::is_regular_file(given))
+    throw InputError("--plotly: no such file as " + given.string() + "; fetch it (" + fetch +
+                     ") and give package/plotly.min.js");
+  const std::string text = given.empty() ? fetchedFile(path.string()) : readFile(given);
   if (given.empty() && text.empty())
     throw InputError(
         std::string("plotly.min.js is not in ") + MM_BUILD_WEB +
         ": npm was not available when the package was built; install npm and build again, or fetch it (" +
         fetch + ") and give --plotly package/plotly.min.js");
-  if (!given.empty() && !fs::is_regular_file(path))
-    throw InputError("--plotly: no such file as " + path.string() + "; fetch it (" + fetch +
-                     ") and give package/plotly.min.js");
-  if (!given.empty()) text = readFile(path);
   if (text.size() < 100000 || text.find("plotly") == std::string::npos)
     throw InputError(path.string() + ": not a complete plotly.min.js (" + std::to_string(text.size()) +
                      " bytes); fetch it again (" + fetch + ")");

@@ -35,8 +35,8 @@ std::vector<LineRuns> linesOf(const CalibrationResult& fitted, std::size_t j) {
   for (int row = 0; row < problem.rowCount(); ++row) {
     const ResidualRow& r = problem.rows()[static_cast<std::size_t>(row)];
     const Observation& o = problem.session().observations[static_cast<std::size_t>(r.observation)];
-    if (o.kind != ObservationKind::kDeviation || r.component != static_cast<int>(j)) continue;
-    if (o.travel[j] == 0.0) continue;
+    if (o.kind != ObservationKind::kDeviation || r.component != static_cast<int>(j) || o.travel[j] == 0.0)
+      continue;
     auto line = std::find_if(lines.begin(), lines.end(), [&](const LineRuns& l) {
       return l.setup == o.setup && onOneLine(l.where, o.position, j, joints);
     });
@@ -58,11 +58,10 @@ std::string nameOf(const LineRuns& line, const std::vector<LineRuns>& all, std::
   if (line.setup >= 0 && differs([&](const LineRuns& l) { return l.setup == line.setup; }))
     name += ", setup " + session.setups[static_cast<std::size_t>(line.setup)];
   for (std::size_t k = 0; k < joints.size(); ++k) {
-    std::vector<double> here = line.where;
     const auto same = [&](const LineRuns& l) {
       std::vector<double> there = line.where;
       there[k] = l.where[k];
-      return onOneLine(here, there, moving, joints);
+      return onOneLine(line.where, there, moving, joints);
     };
     if (k == moving || !differs(same)) continue;
     const JointUnit unit = readingUnit(joints[k]);

@@ -65,8 +65,7 @@ std::string lostText(const CalibrationResult& r) {
                              : "") +
             "; " + l.wouldShow + "\n";
   }
-  if (text.empty()) return {};
-  return "Not determined by this session\n" + text;
+  return text.empty() ? text : "Not determined by this session\n" + text;
 }
 
 std::string outliersText(const CalibrationResult& r) {
@@ -90,19 +89,17 @@ std::string zerosText(const CalibrationResult& r) {
   constexpr double kClearly = 3.0;  // standard deviations
   constexpr int kShown = 6;
   std::string text;
-  int more = 0, shown = 0;
+  int found = 0;
   for (int i = 0; i < r.problem->unknownCount(); ++i) {
     const Unknown& u = r.problem->unknowns()[static_cast<std::size_t>(i)];
     if (u.kind != UnknownKind::kSetup || r.identifiability.fixed[static_cast<std::size_t>(i)] != 0 ||
         !(std::abs(r.x[i]) > kClearly * r.std(i)))
       continue;
-    if (++shown > kShown)
-      ++more;
-    else
-      text +=
-          "  " + padded(u.name, 36) + withUncertainty(r.x[i] * u.toUnit, r.std(i) * u.toUnit, u.unit) + "\n";
+    if (++found > kShown) continue;
+    text +=
+        "  " + padded(u.name, 36) + withUncertainty(r.x[i] * u.toUnit, r.std(i) * u.toUnit, u.unit) + "\n";
   }
-  if (more > 0) text += format("  and %d more\n", more);
+  if (found > kShown) text += format("  and %d more\n", found - kShown);
   return text.empty() ? text
                       : "Zeros of the instrument, fitted with the model: deviations count from them\n" + text;
 }
@@ -138,25 +135,23 @@ std::string noiseText(const CalibrationResult& r) {
 }
 
 std::string featuresText(const CalibrationResult& r) {
+  constexpr int kShown = 12;
   std::string text;
-  int shown = 0, all = 0;
+  int found = 0;
   for (const FoundFeature& f : foundFeatures(r)) {
-    if (!(f.std.maxCoeff() > 0.0)) continue;
-    if (++all > 12) continue;
-    ++shown;
+    if (!(f.std.maxCoeff() > 0.0) || ++found > kShown) continue;
     text += "  " + padded(f.name, 12) +
             format("%11.5f %11.5f %11.5f mm   ± %.2g %.2g %.2g um\n", f.position.x() / kMillimetre,
                    f.position.y() / kMillimetre, f.position.z() / kMillimetre, 2.0 * f.std.x() / kMicrometre,
                    2.0 * f.std.y() / kMicrometre, 2.0 * f.std.z() / kMicrometre);
   }
   if (text.empty()) return {};
-  if (all > shown) text += format("  and %d more (--json lists them)\n", all - shown);
+  if (found > kShown) text += format("  and %d more (--json lists them)\n", found - kShown);
   return "Found in workpiece (centres of balls, points)\n" + text;
 }
 
 /// A genetic algorithm has nothing to search where least squares has one minimum.
 std::string withoutSearch(const CalibrationResult& r) {
-  if (!r.genetic || r.genetic->evaluations == 0) return {};
   const auto& effects = r.problem->model().effects();
   const bool linear = std::all_of(effects.begin(), effects.end(), [](const EffectPtr& e) {
     return static_cast<int>(linearParameters(*e).size()) == e->parameterCount();
@@ -168,7 +163,6 @@ std::string withoutSearch(const CalibrationResult& r) {
 
 /// Why a genetic algorithm may be better than what was refined: it fits every ball's centre for itself.
 std::string freerCentres(const CalibrationResult& r) {
-  if (!r.genetic || r.genetic->evaluations == 0) return {};
   const double refined = angularOnly(r) ? r.figures.rmsAngular : r.figures.rms;
   const auto& features = r.problem->session().artifact.features;
   const bool held = std::any_of(features.begin(), features.end(),
@@ -176,6 +170,33 @@ std::string freerCentres(const CalibrationResult& r) {
   if (!held || !(r.genetic->rms < refined)) return {};
   return "                  (lower: each ball centre was free; the refinement holds them at the artifact's "
          "values)\n";
+}
+
+/// The best RMS of each of several generations as a small plot.
+std::string curveText(const GeneticSummary& genetic, bool angular) {
+  constexpr std::size_t kColumns = 60;
+  constexpr int kRows = 8;
+  const std::size_t count = genetic.curve.size(), columns = std::min(kColumns, count);
+  std::vector<double> level;
+  for (std::size_t c = 0; c < columns; ++c) {
+    const std::size_t i = c * (count - 1) / (columns - 1);
+    constexpr double kZero = 1e-300;  // of an RMS of zero there is no logarithm
+    level.push_back(std::log10(std::max(genetic.curve[i], kZero)));
+  }
+  const auto range = std::minmax_element(level.begin(), level.end());
+  constexpr double kLevel = 1e-9;  // decades: a curve that is level has a height all the same
+  const double low = *range.first, high = std::max(*range.second, low + kLevel);
+  std::string text =
+      "  best RMS a generation (logarithmic), generation 0 to " + std::to_string(count - 1) + "\n";
+  for (int row = kRows; row >= 0; --row) {
+    const double at = low + (high - low) * row / kRows;
+    std::string line(columns, ' ');
+    for (std::size_t c = 0; c < columns; ++c)
+      if (std::lround((level[c] - low) / (high - low) * kRows) == row) line[c] = '*';
+    const bool labelled = row == kRows || row == 0 || row == kRows / 2;
+    text += "  " + padded(labelled ? length(std::pow(10.0, at), angular) : "", 16) + "|" + line + "\n";
+  }
+  return text;
 }
 
 }  // namespace
@@ -214,7 +235,7 @@ std::string calibrateText(const CalibrationResult& r) {
             "\n";
   else
     text += "  least squares   from the start values of the model, no search\n";
-  text += freerCentres(r) + withoutSearch(r);
+  if (r.genetic && r.genetic->evaluations > 0) text += freerCentres(r) + withoutSearch(r);
   text += "  refined         RMS " + length(angular ? r.figures.rmsAngular : r.figures.rms, angular) +
           format(", %d iterations, %s\n", r.iterations, r.stop.c_str());
   if (r.genetic && r.genetic->curve.size() > 1) text += curveText(*r.genetic, angular);
@@ -263,6 +284,39 @@ std::string compareText(const CalibrationResult& c, const std::vector<WhereItFai
   text += "\n" + whereText(where);
   const std::string outliers = outliersText(c);
   if (!outliers.empty()) text += "\n" + outliers;
+  return text;
+}
+
+std::string ledgerText(const Calibration& calibration, bool angular) {
+  const std::vector<LedgerEntry>& ledger = calibration.ledger;
+  if (ledger.empty()) return "The ledger is empty.\n";
+  double largest = 0.0;
+  for (const LedgerEntry& e : ledger)
+    for (const double v : {e.rmsBefore, e.rmsAfter})
+      if (std::isfinite(v)) largest = std::max(largest, v);
+  const auto bar = [&](double value) {
+    constexpr int kWidth = 16;
+    const double share = std::isfinite(value) && largest > 0.0 ? value / largest : 0.0;
+    return std::string(static_cast<std::size_t>(std::lround(kWidth * share)), '#');
+  };
+  std::string text = padded("Ledger", 70) + padded("RMS", 13) + "held out\n";
+  text += "  " + padded("nominal machine", 68) + padded(length(ledger.front().rmsBefore, angular), 13) +
+          padded(length(ledger.front().heldOutBefore, angular), 13) + bar(ledger.front().rmsBefore) + "\n";
+  const ErrorSymbols symbols = symbolsOf(calibration);
+  for (const LedgerEntry& e : ledger) {
+    const std::string symbol = symbols.of(e.effect);
+    const std::string what = e.action + (e.effect.type.empty() ? "" : " " + e.effect.yaml()) +
+                             (symbol.empty() ? "" : " (" + symbol + ")");
+    text += "  " + padded(what, 67) + " " + padded(length(e.rmsAfter, angular), 13) +
+            padded(length(e.heldOutAfter, angular), 13) + bar(e.rmsAfter) + "\n";
+  }
+  return text;
+}
+
+std::string curveCsv(const GeneticSummary& genetic, bool angular) {
+  std::string text = angular ? "generation,rms_arcsec\n" : "generation,rms_um\n";
+  for (std::size_t i = 0; i < genetic.curve.size(); ++i)
+    text += format("%zu,%.9g\n", i, genetic.curve[i] / (angular ? kArcsecond : kMicrometre));
   return text;
 }
 

@@ -28,9 +28,7 @@ std::string diagnoseText(const Diagnosis& diagnosis, const std::string& session,
                          const std::string& calibration);
 /// Each step of the model, with the error as it fell. @param angular figures are in rad.
 std::string ledgerText(const Calibration& calibration, bool angular);
-/// The best RMS of each generation as a small plot.
-std::string curveText(const GeneticSummary& genetic, bool angular);
-/// The same as CSV: `generation,rms_um` (or `rms_arcsec`).
+/// The best RMS of each generation as CSV: `generation,rms_um` (or `rms_arcsec`).
 std::string curveCsv(const GeneticSummary& genetic, bool angular);
 
 }  // namespace mm

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/quantity_words.h"
 #include "base/units.h"
 #include "report/json_parts.h"
 #include "report/text_parts.h"
@@ -44,9 +45,8 @@ std::string figureLine(const QuantityUncertainty& q) {
 }
 
 std::string budgetText(const QuantityUncertainty& q) {
-  std::string text;
   if (q.budget.empty()) return "The calibration contains no source of uncertainty.\n";
-  text += "Variance by cause:\n";
+  std::string text = "Variance by cause:\n";
   for (const UncertaintyShare& s : q.budget)
     if (s.share >= 0.0005)
       text += format("  %5.1f %%  ", 100.0 * s.share) + s.source +
@@ -57,9 +57,8 @@ std::string budgetText(const QuantityUncertainty& q) {
 }  // namespace
 
 int decimalsOf(double expanded, int otherwise) {
-  return expanded > 0.0 && std::isfinite(expanded)
-             ? std::clamp(1 - static_cast<int>(std::floor(std::log10(expanded))), 0, 9)
-             : otherwise;
+  return positive(expanded) ? std::clamp(1 - static_cast<int>(std::floor(std::log10(expanded))), 0, 9)
+                            : otherwise;
 }
 
 std::string decimalText(double value, int decimals) {
@@ -72,8 +71,7 @@ std::string millimetres(double value, double std) {
 }
 
 std::string twoDigits(double value) {
-  if (!(value > 0.0) || !std::isfinite(value)) return format("%g", value);
-  return decimalText(value, decimalsOf(value));
+  return positive(value) ? decimalText(value, decimalsOf(value)) : format("%g", value);
 }
 
 std::string figureOf(const QuantityUncertainty& q) {
