@@ -9,12 +9,9 @@ namespace mm {
 namespace {
 
 /// What formats ask for; each is a word or a number.
-const std::vector<std::string>& settingKeys() {
-  static const std::vector<std::string> kKeys = {
-      "axis",    "plane", "radius_mm",   "feed_mm_min", "direction", "start_deg", "centre_mm",
-      "surface", "mount", "position_mm", "unit",        "date",      "sign"};
-  return kKeys;
-}
+constexpr const char* kSettings[] = {"axis",      "plane",     "radius_mm", "feed_mm_min", "direction",
+                                     "start_deg", "centre_mm", "surface",   "mount",       "position_mm",
+                                     "unit",      "date",      "sign"};
 
 std::map<std::string, std::string> words(const YamlMapping& file, const std::string& key,
                                          const std::string& what) {
@@ -37,10 +34,14 @@ std::string ColumnMapping::setting(const std::string& key) const {
   return found == settings.end() ? "" : found->second;
 }
 
+std::string ColumnMapping::place(const std::string& key) const {
+  return source + ":" + std::to_string(lines.at(key)) + ": ";
+}
+
 ColumnMapping parseColumnMapping(const std::string& yaml, const std::string& source) {
   std::vector<std::string> keys = {"format",  "separator", "decimal",  "header_line",
                                    "columns", "others",    "features", "fixed"};
-  keys.insert(keys.end(), settingKeys().begin(), settingKeys().end());
+  keys.insert(keys.end(), std::begin(kSettings), std::end(kSettings));
   const YAML::Node root = YamlMapping::load(yaml, source);
   const YamlMapping file(root, source, "the mapping", keys);
   ColumnMapping m;
@@ -77,7 +78,7 @@ ColumnMapping parseColumnMapping(const std::string& yaml, const std::string& sou
     if (!(in >> number) || !in.eof()) file.fail("fixed", "'" + value + "' of " + name + " is not a number");
     m.fixed[name] = number;
   }
-  for (const std::string& key : settingKeys()) {
+  for (const std::string key : kSettings) {
     if (!file.has(key)) continue;
     const YAML::Node node = file.node(key);
     std::string value;

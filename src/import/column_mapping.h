@@ -22,6 +22,8 @@ struct ColumnMapping {
 
   /// A setting, or empty.
   std::string setting(const std::string& key) const;
+  /// "file:line: " of a setting that is said, for messages.
+  std::string place(const std::string& key) const;
 };
 
 /// @throw InputError naming file, line and key.

@@ -58,9 +58,8 @@ class TableUnderstander {
       context_.axis = machine_.findJoint(said);
       headed_ = false;
       if (context_.axis < 0)
-        faults_.add(mapping_.source + ":" + std::to_string(mapping_.lines.at("axis")) + ": axis: '" +
-                    shownText(said) + "' is not a joint of machine '" + machine_.name() + "' (" + joints() +
-                    ")");
+        faults_.add(mapping_.place("axis") + "axis: '" + shownText(said) + "' is not a joint of machine '" +
+                    machine_.name() + "' (" + joints() + ")");
     }
     if (context_.axis < 0 && machine_.jointCount() == 1) context_.axis = 0;
   }

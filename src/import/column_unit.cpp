@@ -68,8 +68,8 @@ void slashed(std::size_t i, const ColumnSample& s, const ColumnMapping& mapping,
              TimeColumn& time) {
   const std::string order = mapping.setting("date");
   if (!order.empty() && order != "month_first" && order != "day_first")
-    faults.add(mapping.source + ":" + std::to_string(mapping.lines.at("date")) + ": date: is '" +
-               shownText(order) + "', but must be month_first or day_first");
+    faults.add(mapping.place("date") + "date: is '" + shownText(order) +
+               "', but must be month_first or day_first");
   else if (order.empty() && s.monthFirst == s.dayFirst)
     faults.add(i, "has dates as " + shownText(s.first) + ", and the order of month and day is ambiguous; " +
                       faults.lines().ask("date", "month_first") + " (or day_first)");

@@ -12,22 +12,11 @@ void DecimalMarkFinder::look(std::size_t line, const std::vector<std::string_vie
     const auto first = [&](UnclearNumber& unclear) {
       if (unclear.line == 0) unclear = {line, i, std::string(cells[i])};
     };
-    switch (decimalMarkOf(cells[i])) {
-      case DecimalMark::kPoint:
-        ++c.point;
-        break;
-      case DecimalMark::kComma:
-        ++c.comma;
-        break;
-      case DecimalMark::kPointOrNot:
-        first(c.pointOrNot);
-        break;
-      case DecimalMark::kCommaOrNot:
-        first(c.commaOrNot);
-        break;
-      case DecimalMark::kNone:
-        break;
-    }
+    const DecimalMark mark = decimalMarkOf(cells[i]);
+    c.point += mark == DecimalMark::kPoint;
+    c.comma += mark == DecimalMark::kComma;
+    if (mark == DecimalMark::kPointOrNot) first(c.pointOrNot);
+    if (mark == DecimalMark::kCommaOrNot) first(c.commaOrNot);
   }
 }
 

@@ -61,10 +61,8 @@ class TPointReader {
   /// The two rotary joints and the sense in which they turn against azimuth and elevation.
   bool mount() {
     const Machine& machine = context_.machine;
-    std::vector<int> rotary;
-    for (int j = 0; j < machine.jointCount(); ++j)
-      if (machine.joints()[j].kind == JointKind::kRotary) rotary.push_back(j);
-    if (rotary.size() != 2 || machine.jointCount() != 2) {
+    const auto turns = [](const Joint& joint) { return joint.kind == JointKind::kRotary; };
+    if (machine.jointCount() != 2 || !turns(machine.joints()[0]) || !turns(machine.joints()[1])) {
       context_.refuse("a pointing file needs a mount with two rotary joints and no others; machine '" +
                       machine.name() + "' has other joints; give the mount's URDF with --machine");
       return false;

@@ -174,8 +174,7 @@ class BedSession {
     }
     const std::string surface = context_.mapping.setting("surface");
     if (!surface.empty() && surface != "flat" && surface != "unknown") {
-      context_.faults.add(context_.mapping.source + ":" +
-                          std::to_string(context_.mapping.lines.at("surface")) + ": surface is '" + surface +
+      context_.faults.add(context_.mapping.place("surface") + "surface is '" + surface +
                           "', but must be flat or unknown");
       return;
     }

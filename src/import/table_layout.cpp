@@ -96,7 +96,7 @@ class LayoutFinder {
 
  private:
   void findSeparator() {
-    constexpr std::size_t kLooked = 400;
+    constexpr int kLooked = 400;
     double best = 0.0;
     for (const char candidate : {'\t', ';', ',', '|', ' '}) {
       if (mapping_.separator && candidate != *mapping_.separator) continue;
@@ -119,7 +119,7 @@ class LayoutFinder {
           if (seen.lines++ == 0) seen.first = line.number;
           seen.share += static_cast<double>(values) / static_cast<double>(looked);
         }
-        if (++all == static_cast<int>(kLooked)) break;
+        if (++all == kLooked) break;
       }
       for (const auto& [count, seen] : counts) {
         if (count < 2 && !mapping_.separator) continue;
@@ -154,17 +154,14 @@ class LayoutFinder {
 
   void findRows() {
     const std::size_t after = mapping_.headerLine.value_or(0);
-    for (const Line& line : lines_)
-      if (line.number > after && isRow(line)) {
-        layout_.firstRow = line.number;
-        return;
-      }
+    const auto first = std::find_if(lines_.begin(), lines_.end(),
+                                    [&](const Line& l) { return l.number > after && isRow(l); });
+    if (first != lines_.end()) layout_.firstRow = first->number;
   }
 
   void takeNames(std::string_view text) {
-    std::vector<std::string_view> cells = cellsOf(text, layout_.separator);
-    std::vector<std::string> names;
-    for (const auto cell : cells) {
+    std::vector<std::string>& names = layout_.names;
+    for (const auto cell : cellsOf(text, layout_.separator)) {
       // between blanks, a unit in brackets stands by itself
       if (layout_.separator == ' ' && !names.empty() && !cell.empty() &&
           (cell.front() == '[' || cell.front() == '('))
@@ -172,7 +169,6 @@ class LayoutFinder {
       else
         names.emplace_back(trim(cell));
     }
-    layout_.names = std::move(names);
   }
 
   void findHeader() {
@@ -210,7 +206,8 @@ class LayoutFinder {
     if (layout_.unitsLine > 0)
       for (const auto cell : cellsOf(file_.lines()[layout_.unitsLine - 1], layout_.separator))
         layout_.units.emplace_back(unbracketed(trim(cell)));
-    dropEmptyEnd();
+    // separators after the last name, as spreadsheets write them, are no columns
+    while (layout_.names.size() > columns_ && layout_.names.back().empty()) layout_.names.pop_back();
     layout_.units.resize(layout_.names.size());
   }
 
@@ -255,12 +252,6 @@ class LayoutFinder {
       layout_.remarks.erase(std::next(r).base());
       return;
     }
-  }
-
-  /// Separators after the last name, as spreadsheets write them, are no columns.
-  void dropEmptyEnd() {
-    while (!layout_.names.empty() && layout_.names.back().empty() && layout_.names.size() > columns_)
-      layout_.names.pop_back();
   }
 
   void findDecimalMark() {
@@ -371,14 +362,11 @@ std::vector<ColumnSample> columnSamples(const TextFile& file, const TableLayout&
         s.lower = s.numbers == 0 ? value : std::min(s.lower, value);
         s.upper = s.numbers == 0 ? value : std::max(s.upper, value);
         ++s.numbers;
-      } else if (const auto calendar = parseCalendar(cells[i])) {
-        ++s.calendars;
-        s.midnight = s.midnight && cells[i].find(':') == std::string_view::npos;
-      } else if (const bool month = parseSlashed(cells[i], true).has_value();
-                 month || parseSlashed(cells[i], false)) {
-        ++s.slashed;
-        s.monthFirst = s.monthFirst && month;
-        s.dayFirst = s.dayFirst && parseSlashed(cells[i], false).has_value();
+      } else if (const auto month = parseSlashed(cells[i], true), day = parseSlashed(cells[i], false);
+                 month || day || parseCalendar(cells[i])) {
+        ++(month || day ? s.slashed : s.calendars);
+        s.monthFirst = s.monthFirst && (month || !day);
+        s.dayFirst = s.dayFirst && (day || !month);
         s.midnight = s.midnight && cells[i].find(':') == std::string_view::npos;
       } else if (parseClock(cells[i])) {
         ++s.clocks;

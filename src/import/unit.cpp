@@ -93,8 +93,7 @@ const UnitKindFacts& factsOf(UnitKind kind) {
       {"a time (s, ms, us, ns, min, h)", {"s", "ms", "min"}},
       {"a temperature (degC, K, degF)", {"degC", "K", "degF"}},
       {"a speed (mm/s, mm/min, m/s, inch/s)", {"mm_s", "mm_min", "m_min"}},
-      {"a turning speed (deg/s, rad/s, rpm)", {"deg_s", "rad_s", "rpm"}},
-      {"a unit", {}}};
+      {"a turning speed (deg/s, rad/s, rpm)", {"deg_s", "rad_s", "rpm"}}};
   return kFacts[static_cast<std::size_t>(kind)];
 }
 

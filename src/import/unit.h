@@ -6,11 +6,11 @@
 
 namespace mm {
 
-enum class UnitKind { kLength, kAngle, kTime, kTemperature, kSpeed, kTurning, kOther };
+enum class UnitKind { kLength, kAngle, kTime, kTemperature, kSpeed, kTurning };
 
 /// A unit as people write it. SI value (degC of a temperature) = written * factor + offset.
 struct Unit {
-  UnitKind kind = UnitKind::kOther;
+  UnitKind kind = UnitKind::kLength;
   double factor = 1.0;
   double offset = 0.0;
   std::string symbol;  // as this package writes it: "mm", "arcsec", "degC", "mm/s"
