@@ -80,14 +80,9 @@ int featureOf(const Making& m, const std::string& key) {
   return m.workshop.artifact.findFeature(m.source.key(key));
 }
 
-Eigen::Vector3d randomDirection(Random& random) {
-  const double x = random.normal(), y = random.normal(), z = random.normal();
-  return Eigen::Vector3d(x, y, z).normalized();
-}
-
 /// The laser's zero and beam stand differently in the head than the drawing says.
 void buildLaserMount(const Making& m) {
-  const Eigen::Vector3d zero = randomDirection(m.random) * m.number("zero");
+  const Eigen::Vector3d zero = randomVector(m.random).normalized() * m.number("zero");
   const double azimuth = m.random.uniform(0.0, 2.0 * kPi);
   const Eigen::Vector3d beam = Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), 0.0) * m.number("beam");
   m.add([zero, beam](const Instant&, Distortion& d) {
@@ -312,7 +307,7 @@ std::vector<SourceKind> makeKinds() {
        {{"size", "m", 2e-6, 8e-6}},
        [](const Making& m) {
          m.workshop.physics.artifact.shift[featureOf(m, "feature")] +=
-             m.number("size") * randomDirection(m.random);
+             m.number("size") * randomVector(m.random).normalized();
        }},
       {"artifact_expansion",
        {},

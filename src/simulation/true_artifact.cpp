@@ -9,11 +9,6 @@
 namespace mm {
 namespace {
 
-Eigen::Vector3d randomVector(Random& random) {
-  const double x = random.normal(), y = random.normal(), z = random.normal();
-  return {x, y, z};
-}
-
 /// Directions evenly over the sphere.
 std::vector<Eigen::Vector3d> allRound() {
   constexpr int kCount = 1000;
@@ -27,6 +22,11 @@ std::vector<Eigen::Vector3d> allRound() {
 }
 
 }  // namespace
+
+Eigen::Vector3d randomVector(Random& random) {
+  const double x = random.normal(), y = random.normal(), z = random.normal();
+  return {x, y, z};
+}
 
 double TrueArtifact::Form::at(const Eigen::Vector3d& normal) const {
   double sum = -mean + amplitude * std::sin(wave.dot(normal) + phase);

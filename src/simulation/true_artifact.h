@@ -8,6 +8,9 @@
 
 namespace mm {
 
+/// Three normal random numbers: no direction is likelier than another.
+Eigen::Vector3d randomVector(Random& random);
+
 /// Where and how large the balls really are. Lengths in m.
 class TrueArtifact {
  public:
