@@ -246,25 +246,26 @@ void FreshPoints::fillMisplaced(const std::vector<std::vector<double>>& values) 
   const Machine& machine = model.machine();
   const ErrorLayout layout = machine.layout();
   const Domain& domain = model.domain();
+  const auto linear = [&](int joint) { return machine.joints()[joint].kind == JointKind::kLinear; };
   for (int a = 0; a < axisCount(); ++a)
     for (int b = a + 1; b < axisCount(); ++b) {
-      const int f = axisJoints_[a], s = axisJoints_[b];
-      if (machine.joints()[f].kind != JointKind::kLinear || machine.joints()[s].kind != JointKind::kLinear)
-        continue;
+      const int first = axisJoints_[a], second = axisJoints_[b];
+      if (!linear(first) || !linear(second)) continue;
       Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(problem.rowCount(), 2);
       for (int o = 0; o < observationsOf(problem); ++o) {
         State state = problem.state(o);
         // A table ends where its axis was calibrated.
-        const double one = std::clamp(state.position[s], domain.lower[f], domain.upper[f]);
-        state.position[s] = std::clamp(state.position[f], domain.lower[s], domain.upper[s]);
-        state.position[f] = one;
-        std::swap(state.travel[f], state.travel[s]);
-        std::swap(state.velocity[f], state.velocity[s]);
+        const double one = std::clamp(state.position[second], domain.lower[first], domain.upper[first]);
+        state.position[second] =
+            std::clamp(state.position[first], domain.lower[second], domain.upper[second]);
+        state.position[first] = one;
+        std::swap(state.travel[first], state.travel[second]);
+        std::swap(state.velocity[first], state.velocity[second]);
         model.place(state);
         const Eigen::VectorXd change = takenAway(state, values);
         for (int row = problem.firstRow(o); row < problem.firstRow(o + 1); ++row) {
-          columns(row, 0) = at.slotGradients()(row, layout.axis(f)) * change[s];
-          columns(row, 1) = at.slotGradients()(row, layout.axis(s)) * change[f];
+          columns(row, 0) = at.slotGradients()(row, layout.axis(first)) * change[second];
+          columns(row, 1) = at.slotGradients()(row, layout.axis(second)) * change[first];
         }
       }
       const Eigen::MatrixXd whitened = entered(columns);

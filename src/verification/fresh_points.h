@@ -56,8 +56,9 @@ class FreshPoints {
   /// Column a * axes + b: what the calibration (where tables were named: they) says of axis b, as an error of
   /// axis a.
   const Eigen::MatrixXd& crossed() const { return crossed_; }
-  Eigen::VectorXd own(int a) const { return crossed_.col(a * axisCount() + a); }  ///< crossed(a, a)
-  const std::vector<MisplacedTable>& misplaced() const { return misplaced_; }     ///< of every pair of axes
+  /// What it says of an axis as an error of the same one.
+  Eigen::VectorXd own(int axis) const { return crossed_.col(axis * axisCount() + axis); }
+  const std::vector<MisplacedTable>& misplaced() const { return misplaced_; }  ///< of every pair of axes
   /// By each parameter of the machine's effects, per SI unit.
   const Eigen::MatrixXd& byParameter() const { return byParameter_; }
   const std::vector<int>& parameters() const { return parameters_; }  ///< of these in the calibration
