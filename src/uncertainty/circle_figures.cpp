@@ -18,13 +18,13 @@ using Points = std::vector<Eigen::Vector2d>;
 }  // namespace
 
 Circle leastSquaresCircle(const Points& points) {
-  const auto n = static_cast<Eigen::Index>(points.size());
+  const Eigen::Index n = points.size();
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  for (const Eigen::Vector2d& p : points) mean += p / static_cast<double>(n);
+  for (const Eigen::Vector2d& p : points) mean += p / n;
   Eigen::MatrixXd a(n, 3);
   Eigen::VectorXd b(n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::Vector2d p = points[static_cast<std::size_t>(i)] - mean;
+    const Eigen::Vector2d p = points[i] - mean;
     a.row(i) << 2.0 * p.x(), 2.0 * p.y(), 1.0;
     b[i] = p.squaredNorm();
   }
@@ -32,7 +32,7 @@ Circle leastSquaresCircle(const Points& points) {
   Circle circle{start.head<2>(), std::sqrt(std::max(0.0, start[2] + start.head<2>().squaredNorm()))};
   for (int step = 0; step < 20; ++step) {
     for (Eigen::Index i = 0; i < n; ++i) {
-      const Eigen::Vector2d out = points[static_cast<std::size_t>(i)] - mean - circle.centre;
+      const Eigen::Vector2d out = points[i] - mean - circle.centre;
       const double distance = out.norm();
       if (!(distance > 0.0)) return {mean + circle.centre, circle.radius};
       a.row(i) << out.x() / distance, out.y() / distance, 1.0;
@@ -95,7 +95,7 @@ CirclePath pathAbout(const Points& points, const Eigen::Vector2d& centre, double
       angle += polar[end].first;
       radial += polar[end].second;
     }
-    const auto count = static_cast<double>(end - i);
+    const double count = end - i;
     path.angle.push_back(angle / count);
     path.radial.push_back(radial / count);
     i = end;

@@ -11,7 +11,7 @@
 namespace mm {
 namespace {
 
-constexpr std::size_t kFewestTargets = 5;           // ISO 230-6, as ISO 230-2
+constexpr int kFewestTargets = 5;                   // ISO 230-6, as ISO 230-2
 constexpr double kOffTheLine = 0.5 * kMillimetre;   // of a target
 constexpr double kStandsStill = 0.1 * kMillimetre;  // a linear joint that is not of the diagonal
 
@@ -23,7 +23,7 @@ struct LengthRow {
 
 /// A linear joint of the diagonal, and whether it grows as the tip goes away.
 struct DiagonalJoint {
-  std::size_t joint = 0;
+  int joint = 0;
   bool grows = true;
 };
 
@@ -33,12 +33,11 @@ std::vector<DiagonalJoint> jointsOfDiagonal(const Session& session, const std::v
   const auto [least, most] =
       std::minmax_element(rows.begin(), rows.end(),
                           [](const LengthRow& a, const LengthRow& b) { return a.distance < b.distance; });
-  const Observation &near = session.observations[static_cast<std::size_t>(least->observation)],
-                    &far = session.observations[static_cast<std::size_t>(most->observation)];
+  const Observation &near = session.observations[least->observation],
+                    &far = session.observations[most->observation];
   std::vector<int> observations;
   for (const LengthRow& row : rows) observations.push_back(row.observation);
-  for (const int moved : movedJoints(session, observations, kStandsStill)) {
-    const auto j = static_cast<std::size_t>(moved);
+  for (const int j : movedJoints(session, observations, kStandsStill)) {
     if (session.machine.joints()[j].kind != JointKind::kLinear) return {};
     joints.push_back({j, far.position[j] > near.position[j]});
   }
@@ -57,7 +56,7 @@ std::optional<DiagonalTest> diagonalOf(const Session& session, const std::vector
   for (const auto& [name, sign] : signs) test.name += sign + name;
   double zero = kNotMeasured;
   for (const LengthRow& row : rows) {
-    const Observation& o = session.observations[static_cast<std::size_t>(row.observation)];
+    const Observation& o = session.observations[row.observation];
     const double travel = o.travel[joints.front().joint];
     if (travel == 0.0) continue;
     const bool outwards = (travel > 0.0) == joints.front().grows;
@@ -72,8 +71,7 @@ std::optional<DiagonalTest> diagonalOf(const Session& session, const std::vector
   if (!test.leftRuns.empty()) test.left = positioningTest(test.leftRuns);
   const auto& targets = test.measured.targets;
   const auto both = [](const PositioningTarget& t) { return t.forward > 0 && t.backward > 0; };
-  if (static_cast<std::size_t>(std::count_if(targets.begin(), targets.end(), both)) < kFewestTargets)
-    return std::nullopt;
+  if (std::count_if(targets.begin(), targets.end(), both) < kFewestTargets) return std::nullopt;
   return test;
 }
 
@@ -84,7 +82,7 @@ std::vector<DiagonalTest> diagonalTests(const Session& session, const ResidualOf
   for (const SetupRows& beam : lengthsBySetup(session)) {
     std::vector<LengthRow> rows;
     for (const int i : beam.observations) {
-      const Eigen::Vector3d way = wayOfLength(session, session.observations[static_cast<std::size_t>(i)]);
+      const Eigen::Vector3d way = wayOfLength(session, session.observations[i]);
       if (way.allFinite() && way.norm() > 0.0) rows.push_back({i, way.norm(), way.normalized()});
     }
     if (rows.empty()) continue;

@@ -67,7 +67,7 @@ FigureValues figuresOfDrift(const std::vector<double>& hours, const std::vector<
 
 /// Value of a straight line through the readings from `first` to before `end`, at `hour`.
 double lineThrough(const DriftCurve& c, std::size_t first, std::size_t end, double hour) {
-  const auto count = static_cast<double>(end - first);
+  const double count = end - first;
   double t = 0.0, v = 0.0, tt = 0.0, tv = 0.0;
   for (std::size_t i = first; i < end; ++i) {
     t += c.hours[i] / count;
@@ -119,8 +119,8 @@ DriftFigures driftFigures(const DriftCurve& whole, const HeatedTime& heated, dou
   if (!(noise > 0.0)) return figures;
   const std::vector<double> smooth = smoothed(curve);
   const FigureValues without = figuresOfDrift(hours, smooth, heated);
-  const int pairs = static_cast<int>(std::clamp(0.5 * kMostValues / static_cast<double>(smooth.size()),
-                                                double{kFewestPairs}, double{kMostPairs}));
+  const int pairs = static_cast<int>(
+      std::clamp(0.5 * kMostValues / smooth.size(), double{kFewestPairs}, double{kMostPairs}));
   Random random(1, "drift figures");
   FigureValues sum{}, squares{};
   std::vector<double> plus(smooth.size()), minus(smooth.size());

@@ -29,26 +29,25 @@ FittedFeature::FittedFeature(Kind kind, const Eigen::Vector3d& centre, const Eig
       second_(normal.cross(first_)),
       radius_(radius) {
   const int unknowns = kUnknowns[static_cast<std::size_t>(kind)];
-  design_.resize(static_cast<Eigen::Index>(nominal.size()), unknowns);
+  design_.resize(nominal.size(), unknowns);
   Eigen::Vector3d along = Eigen::Vector3d::Zero();  // of a line
   if (kind == Kind::kLine && nominal.size() > 1) along = (nominal.back() - nominal.front()).normalized();
   double reach = radius_;
   for (const Eigen::Vector3d& p : nominal) reach = std::max(reach, (p - centre_).norm());
   for (std::size_t i = 0; i < nominal.size(); ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
     const Eigen::Vector3d from = nominal[i] - centre_;
     switch (kind) {
       case Kind::kSphere:
-        design_.row(row) << from.normalized().transpose(), 1.0;
+        design_.row(i) << from.normalized().transpose(), 1.0;
         break;
       case Kind::kCircle:
-        design_.row(row) << from.normalized().dot(first_), from.normalized().dot(second_), 1.0;
+        design_.row(i) << from.normalized().dot(first_), from.normalized().dot(second_), 1.0;
         break;
       case Kind::kPlane:
-        design_.row(row) << 1.0, from.dot(first_) / reach, from.dot(second_) / reach;
+        design_.row(i) << 1.0, from.dot(first_) / reach, from.dot(second_) / reach;
         break;
       case Kind::kLine:
-        design_.row(row) << 1.0, from.dot(along) / reach;
+        design_.row(i) << 1.0, from.dot(along) / reach;
         break;
     }
   }
@@ -71,17 +70,16 @@ double FittedFeature::deviation(const Eigen::Vector3d& measured, const Eigen::Ve
     case Kind::kLine:
       break;
   }
-  return from.dot(normal_) - design_.row(static_cast<Eigen::Index>(i)).dot(feature);
+  return from.dot(normal_) - design_.row(i).dot(feature);
 }
 
 FittedFeature::Found FittedFeature::fit(const std::vector<Eigen::Vector3d>& measured,
                                         std::size_t first) const {
-  const auto count = static_cast<std::size_t>(design_.rows());
+  const std::size_t count = design_.rows();
   Eigen::VectorXd feature = Eigen::VectorXd::Zero(design_.cols()), left(design_.rows());
   const bool linear = kind_ == Kind::kPlane || kind_ == Kind::kLine;
   for (int step = 0;; ++step) {
-    for (std::size_t i = 0; i < count; ++i)
-      left[static_cast<Eigen::Index>(i)] = deviation(measured[first + i], feature, i);
+    for (std::size_t i = 0; i < count; ++i) left[i] = deviation(measured[first + i], feature, i);
     if (step == (linear ? 1 : kSteps)) break;
     feature += inverse_ * left;
   }

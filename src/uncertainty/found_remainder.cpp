@@ -50,7 +50,7 @@ class ProbedRows {
         result.heldOut.size() == result.residuals.size() ? result.heldOut : result.residuals;
     std::vector<int> rows;
     for (int i = 0; i < problem.rowCount(); ++i) {
-      const ResidualRow& row = problem.rows()[static_cast<std::size_t>(i)];
+      const ResidualRow& row = problem.rows()[i];
       if (!row.angular && result.weight[i] > 0.0 && std::isfinite(left[i]) &&
           problem.state(row.observation).tip.allFinite())
         rows.push_back(i);
@@ -58,18 +58,18 @@ class ProbedRows {
     const std::size_t step = 1 + rows.size() / kMostRows;
     for (std::size_t i = 0; i < rows.size(); i += step) used_.push_back(rows[i]);
     if (used_.size() < kFewestRows) return;
-    const auto n = static_cast<Eigen::Index>(used_.size());
+    const Eigen::Index n = used_.size();
     const ErrorLayout layout = problem.model().machine().layout();
     residual_.resize(n);
     cosines_.resize(n, 3);
     const Directions directions = directionsOf(at, used_);
     for (Eigen::Index i = 0; i < n; ++i) {
-      const int row = used_[static_cast<std::size_t>(i)];
-      const int observation = problem.rows()[static_cast<std::size_t>(row)].observation;
+      const int row = used_[i];
+      const int observation = problem.rows()[row].observation;
       residual_[i] = left[row];
       for (int k = 0; k < 3; ++k) cosines_(i, k) = at.slotGradients()(row, layout.volume(k));
       place_.push_back(problem.state(observation).tip);
-      time_.push_back(problem.session().observations[static_cast<std::size_t>(observation)].time);
+      time_.push_back(problem.session().observations[observation].time);
     }
     for (const Drift& d : result.drift) {
       const auto found = std::find(directions.names.begin(), directions.names.end(), d.direction);
@@ -80,19 +80,17 @@ class ProbedRows {
   }
 
   Eigen::Index count() const { return residual_.size(); }
-  double distance(Eigen::Index i, Eigen::Index j) const {
-    return (place_[static_cast<std::size_t>(i)] - place_[static_cast<std::size_t>(j)]).norm();
-  }
+  double distance(Eigen::Index i, Eigen::Index j) const { return (place_[i] - place_[j]).norm(); }
   Eigen::Vector3d cosines(Eigen::Index i, Eigen::Index j) const {
     return cosines_.row(i).cwiseProduct(cosines_.row(j)).transpose();
   }
   /// The product of two residuals, less what drift and (of one with itself) noise are expected to add.
   double product(Eigen::Index i, Eigen::Index j) const {
     double value = residual_[i] * residual_[j];
-    const double apart = std::abs(time_[static_cast<std::size_t>(i)] - time_[static_cast<std::size_t>(j)]);
+    const double apart = std::abs(time_[i] - time_[j]);
     for (const Memory& m : drifts_)
       value -= m.factors[i] * m.factors[j] * (i == j ? 1.0 : correlationOf(m.smooth, m.tau, apart));
-    if (i == j) value -= std::pow(result_.sigma[used_[static_cast<std::size_t>(i)]], 2);
+    if (i == j) value -= std::pow(result_.sigma[used_[i]], 2);
     return value;
   }
 
@@ -120,7 +118,7 @@ std::optional<Remainder> remainderOf(const CalibrationResult& result, double len
   if (n == 0 || !(length > 0.0)) return std::nullopt;
   Eigen::Matrix3d smooth = Eigen::Matrix3d::Zero(), rough = smooth;
   Eigen::Vector3d ofSmooth = Eigen::Vector3d::Zero(), ofRough = ofSmooth;
-  double squares = static_cast<double>(n);
+  double squares = n;
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index j = 0; j < i; ++j) {
       const double d = rows.distance(i, j) / length, rho = std::exp(-0.5 * d * d);

@@ -136,13 +136,12 @@ MeasurementTask positioningTask(const std::string& axis, int targets, const Mode
   for (const Joint& j : domain.joints)
     if (j.kind == JointKind::kLinear) names.push_back(j.name);
   const std::string task = "--task 'iso230-2:" + axis + "': ";
-  if (joint < 0 || domain.joints[static_cast<std::size_t>(joint)].kind != JointKind::kLinear)
+  if (joint < 0 || domain.joints[joint].kind != JointKind::kLinear)
     throw InputError(task + "'" + axis + "' is not a linear axis of this machine; it has " + listOf(names));
   std::vector<double> q;
   for (std::size_t j = 0; j < domain.joints.size(); ++j)
     q.push_back(0.5 * (domain.lower[j] + domain.upper[j]));
-  const auto j = static_cast<std::size_t>(joint);
-  const double range = domain.upper[j] - domain.lower[j];
+  const double range = domain.upper[joint] - domain.lower[joint];
   if (!(range >= kShortestLine))
     throw InputError(task +
                      format("it was calibrated over %.3g mm, which is too short; 1 mm or more is needed",

@@ -30,8 +30,7 @@ LengthLineTest lengthsOf(const Session& session, const std::vector<FaceRow>& row
   std::set<long> lengths;
   for (std::size_t i = 0; i + 1 < rows.size(); i += 2) {
     const FaceRow &near = rows[i], &far = rows[i + 1];
-    const Observation &a = session.observations[static_cast<std::size_t>(near.observation)],
-                      &b = session.observations[static_cast<std::size_t>(far.observation)];
+    const Observation &a = session.observations[near.observation], &b = session.observations[far.observation];
     const double indicated = far.distance - near.distance;
     if (indicated < kSameLength || !fromOppositeSides(a, b)) return {};
     LengthError e;
@@ -43,7 +42,7 @@ LengthLineTest lengthsOf(const Session& session, const std::vector<FaceRow>& row
     lengths.insert(std::lround(indicated / kSameLength));
     test.errors.push_back(e);
   }
-  test.lengths = static_cast<int>(lengths.size());
+  test.lengths = lengths.size();
   return rows.size() % 2 == 0 ? test : LengthLineTest{};
 }
 
@@ -54,12 +53,12 @@ std::vector<LengthLineTest> lengthTests(const Session& session, const ResidualOf
   for (const SetupRows& line : lengthsBySetup(session)) {
     std::vector<FaceRow> rows;
     for (const int i : line.observations) {
-      const double distance = wayOfLength(session, session.observations[static_cast<std::size_t>(i)]).norm();
+      const double distance = wayOfLength(session, session.observations[i]).norm();
       if (std::isfinite(distance)) rows.push_back({i, distance});
     }
     LengthLineTest test = lengthsOf(session, rows, left);
     if (test.lengths < kFewestLengths) continue;
-    test.name = session.artifact.features[static_cast<std::size_t>(line.feature)].name;
+    test.name = session.artifact.features[line.feature].name;
     test.setup = line.setup;
     tests.push_back(std::move(test));
   }

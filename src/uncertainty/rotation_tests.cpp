@@ -26,8 +26,7 @@ using RotationRows = std::vector<int>;
 int turningJoint(const Session& session, const RotationRows& rows) {
   const std::vector<int> moved = movedJoints(session, rows);
   const std::vector<Joint>& joints = session.machine.joints();
-  const bool one =
-      moved.size() == 1 && joints[static_cast<std::size_t>(moved.front())].kind == JointKind::kRotary;
+  const bool one = moved.size() == 1 && joints[moved.front()].kind == JointKind::kRotary;
   return one ? moved.front() : -1;
 }
 
@@ -43,7 +42,7 @@ bool fitRotation(const Eigen::MatrixX3d& points, RotationTest& test) {
   if (!(circle.radius >= kSmallestRadius)) return false;
   Range radial, axial;
   for (Eigen::Index i = 0; i < in.rows(); ++i) {
-    const double out = (inPlane[static_cast<std::size_t>(i)] - circle.centre).norm() - circle.radius;
+    const double out = (inPlane[i] - circle.centre).norm() - circle.radius;
     test.radial.push_back(out / kMicrometre);
     test.axial.push_back(in(i, 2) / kMicrometre);
     radial.add(test.radial.back());
@@ -58,17 +57,15 @@ bool fitRotation(const Eigen::MatrixX3d& points, RotationTest& test) {
 std::optional<RotationTest> rotationOf(const Session& session, RotationRows rows, const ResidualOf& left) {
   const int joint = turningJoint(session, rows);
   if (joint < 0) return std::nullopt;
-  const auto observation = [&](int i) -> const Observation& {
-    return session.observations[static_cast<std::size_t>(i)];
-  };
-  const auto at = [&](int i) { return observation(i).position[static_cast<std::size_t>(joint)]; };
+  const auto observation = [&](int i) -> const Observation& { return session.observations[i]; };
+  const auto at = [&](int i) { return observation(i).position[joint]; };
   std::stable_sort(rows.begin(), rows.end(), [&](int a, int b) { return at(a) < at(b); });
   RotationTest test;
   std::size_t angles = 1;
   for (std::size_t i = 1; i < rows.size(); ++i) angles += at(rows[i]) - at(rows[i - 1]) > kRestsAngle;
   test.turn = at(rows.back()) - at(rows.front());
   if (angles < kFewestAngles || test.turn < kShortestTurn) return std::nullopt;
-  Eigen::MatrixX3d points(static_cast<Eigen::Index>(rows.size()), 3);
+  Eigen::MatrixX3d points(rows.size(), 3);
   for (std::size_t k = 0; k < rows.size(); ++k) {
     Eigen::Vector3d point = observation(rows[k]).reference;
     if (left) {
@@ -76,11 +73,11 @@ std::optional<RotationTest> rotationOf(const Session& session, RotationRows rows
       for (int c = 0; c < 3; ++c) point[c] += left(rows[k], c);
     }
     if (!point.allFinite()) return std::nullopt;
-    points.row(static_cast<Eigen::Index>(k)) = point;
+    points.row(k) = point;
     test.angle.push_back(at(rows[k]));
   }
   if (!fitRotation(points, test)) return std::nullopt;
-  test.joint = session.machine.joints()[static_cast<std::size_t>(joint)].name;
+  test.joint = session.machine.joints()[joint].name;
   return test;
 }
 
@@ -91,7 +88,7 @@ std::vector<RotationTest> rotationTests(const Session& session, const ResidualOf
   for (const SetupRows& group : rowsBySetup(session, ObservationKind::kPosition)) {
     RotationRows rows;
     for (const int i : group.observations)
-      if (session.observations[static_cast<std::size_t>(i)].reference.allFinite()) rows.push_back(i);
+      if (session.observations[i].reference.allFinite()) rows.push_back(i);
     if (rows.empty()) continue;
     if (std::optional<RotationTest> test = rotationOf(session, rows, left)) {
       test->setup = group.setup;

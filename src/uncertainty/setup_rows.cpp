@@ -14,10 +14,10 @@ std::vector<SetupRows> rowsBySetup(const Session& session, ObservationKind kind)
     const Observation& o = session.observations[i];
     if (o.kind != kind) continue;
     SetupRows& group = groups[{o.recording, o.setup, o.placement, o.feature}];
-    if (o.setup >= 0) group.setup = session.setups[static_cast<std::size_t>(o.setup)];
+    if (o.setup >= 0) group.setup = session.setups[o.setup];
     group.placement = o.placement;
     group.feature = o.feature;
-    group.observations.push_back(static_cast<int>(i));
+    group.observations.push_back(i);
   }
   std::vector<SetupRows> all;
   for (auto& [key, group] : groups) all.push_back(std::move(group));
@@ -37,19 +37,16 @@ std::vector<int> movedJoints(const Session& session, const std::vector<int>& obs
   constexpr double kAngle = 0.05 * kDegree;
   std::vector<int> moved;
   for (int j = 0; j < session.machine.jointCount(); ++j) {
-    const auto joint = static_cast<std::size_t>(j);
     Range range;
-    for (const int i : observations)
-      range.add(session.observations[static_cast<std::size_t>(i)].position[joint]);
-    const bool linear = session.machine.joints()[joint].kind == JointKind::kLinear;
+    for (const int i : observations) range.add(session.observations[i].position[j]);
+    const bool linear = session.machine.joints()[j].kind == JointKind::kLinear;
     if (range.size() > (linear ? length : kAngle)) moved.push_back(j);
   }
   return moved;
 }
 
 Eigen::Vector3d wayOfLength(const Session& session, const Observation& length) {
-  return session.nominalProbe(length).position -
-         session.artifact.features[static_cast<std::size_t>(length.feature)].position;
+  return session.nominalProbe(length).position - session.artifact.features[length.feature].position;
 }
 
 }  // namespace mm

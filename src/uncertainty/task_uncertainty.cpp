@@ -30,11 +30,11 @@ struct Batch {
 BatchFigure figureOf(std::vector<double> values, double nominal) {
   double sum = 0.0, squares = 0.0;  // about the nominal value, lest a length in m eats the digits of nm
   for (const double v : values) sum += v - nominal;
-  const double mean = sum / static_cast<double>(values.size());
+  const double mean = sum / values.size();
   for (const double v : values) squares += (v - nominal - mean) * (v - nominal - mean);
   std::sort(values.begin(), values.end());
-  return {nominal + mean, values.size() > 1 ? squares / static_cast<double>(values.size() - 1) : 0.0,
-          quantileOf(values, kTail), quantileOf(values, 1.0 - kTail)};
+  return {nominal + mean, values.size() > 1 ? squares / (values.size() - 1) : 0.0, quantileOf(values, kTail),
+          quantileOf(values, 1.0 - kTail)};
 }
 
 /// Runs trials of one stream of random numbers. @param only as VirtualMachine::draw.
@@ -77,7 +77,7 @@ double toleranceOf(double std, int digits) {
 
 /// Whether twice the standard deviations of the averages over the batches are below the tolerance (7.9.4).
 bool settled(const std::vector<Batch>& batches, std::size_t headline, int digits) {
-  const auto h = static_cast<double>(batches.size());
+  const double h = batches.size();
   if (batches.size() < kFewestBatches) return false;
   double variance = 0.0;
   for (const Batch& b : batches) variance += b.figures[headline][kVariance] / h;
@@ -115,15 +115,14 @@ std::size_t headlineOf(const MeasurementTask& task, const std::string& name) {
   if (at == names.end())
     throw InputError("--quantity: the task has no '" + name + "'" + didYouMean(name, names) + "; it gives " +
                      listOf(names));
-  return static_cast<std::size_t>(at - names.begin());
+  return at - names.begin();
 }
 
 void addBudgets(const MeasurementTask& task, const VirtualMachine& machine, std::uint64_t seed,
                 TaskUncertainty& result) {
   const std::size_t trials = task.points().size() > 60 ? kAlone / 5 : kAlone;
   for (std::size_t s = 0; s < machine.sources().size(); ++s) {
-    const Batch alone =
-        runBatch(task, machine, seed, "alone " + std::to_string(s), static_cast<int>(s), trials);
+    const Batch alone = runBatch(task, machine, seed, "alone " + std::to_string(s), s, trials);
     for (std::size_t q = 0; q < alone.figures.size(); ++q)
       result.quantities[q].budget.push_back(
           {machine.sources()[s], 0.0, std::sqrt(alone.figures[q][kVariance])});
@@ -144,10 +143,10 @@ void addBudgets(const MeasurementTask& task, const VirtualMachine& machine, std:
 }  // namespace
 
 double quantileOf(const std::vector<double>& sorted, double share) {
-  const double at = share * static_cast<double>(sorted.size() - 1);
+  const double at = share * (sorted.size() - 1);
   const auto low = static_cast<std::size_t>(at);
   const std::size_t high = std::min(low + 1, sorted.size() - 1);
-  return sorted[low] + (at - static_cast<double>(low)) * (sorted[high] - sorted[low]);
+  return sorted[low] + (at - low) * (sorted[high] - sorted[low]);
 }
 
 TaskUncertainty taskUncertainty(const MeasurementTask& task, const VirtualMachine& machine,
@@ -175,13 +174,13 @@ TaskUncertainty taskUncertainty(const MeasurementTask& task, const VirtualMachin
       if (batches.size() == kFewestBatches && options.quantity.empty())
         result.headline = worstCoordinate(task, batches);
       result.stable = settled(batches, result.headline, options.digits);
-      tell(std::min(0.9, static_cast<double>(result.trials) / static_cast<double>(options.most)));
+      tell(std::min(0.9, static_cast<double>(result.trials) / options.most));
     }
   }
   for (std::size_t q = 0; q < task.quantities().size(); ++q) {
     QuantityUncertainty one;
     one.quantity = task.quantities()[q];
-    const double share = 1.0 / static_cast<double>(batches.size()), nominal = one.quantity.nominal;
+    const double share = 1.0 / batches.size(), nominal = one.quantity.nominal;
     const BatchFigure offset(nominal, 0.0, nominal, nominal);
     BatchFigure figure = BatchFigure::Zero();
     for (const Batch& b : batches) figure += share * (b.figures[q] - offset);
@@ -193,7 +192,7 @@ TaskUncertainty taskUncertainty(const MeasurementTask& task, const VirtualMachin
   }
   if (options.trials > 0 && options.quantity.empty()) result.headline = worstCoordinate(task, batches);
   result.passes = 0.0;
-  for (const Batch& b : batches) result.passes += b.passes / static_cast<double>(batches.size());
+  for (const Batch& b : batches) result.passes += b.passes / batches.size();
   addBudgets(task, machine, options.seed, result);
   tell(1.0);
   return result;

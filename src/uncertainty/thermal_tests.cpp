@@ -41,7 +41,7 @@ std::map<Key, Rows> rowsOfOneKind(const Session& session) {
     std::vector<bool> has;
     for (const double v : measuredBy(o)) has.push_back(std::isfinite(v));
     if (std::find(has.begin(), has.end(), true) == has.end()) continue;
-    groups[{o.recording, o.setup, o.placement, static_cast<int>(o.kind), has}].push_back(static_cast<int>(i));
+    groups[{o.recording, o.setup, o.placement, static_cast<int>(o.kind), has}].push_back(i);
   }
   return groups;
 }
@@ -49,19 +49,16 @@ std::map<Key, Rows> rowsOfOneKind(const Session& session) {
 /// The rotary joint that travelled while the rows stay in one place; -1: none.
 int swungJoint(const Session& session, const Rows& rows) {
   const std::vector<Joint>& joints = session.machine.joints();
-  const int setup = session.observations[static_cast<std::size_t>(rows.front())].setup;
-  const std::string named = setup >= 0 ? session.setups[static_cast<std::size_t>(setup)] : "";
+  const int setup = session.observations[rows.front()].setup;
+  const std::string named = setup >= 0 ? session.setups[setup] : "";
   std::vector<int> travelled;
   for (std::size_t j = 0; j < joints.size(); ++j) {
-    const bool travels = std::any_of(rows.begin(), rows.end(), [&](int i) {
-      return session.observations[static_cast<std::size_t>(i)].travel[j] != 0.0;
-    });
-    if (travels && joints[j].name == named && joints[j].kind == JointKind::kRotary)
-      return static_cast<int>(j);
-    if (travels) travelled.push_back(static_cast<int>(j));
+    const bool travels = std::any_of(rows.begin(), rows.end(),
+                                     [&](int i) { return session.observations[i].travel[j] != 0.0; });
+    if (travels && joints[j].name == named && joints[j].kind == JointKind::kRotary) return j;
+    if (travels) travelled.push_back(j);
   }
-  const bool one =
-      travelled.size() == 1 && joints[static_cast<std::size_t>(travelled.front())].kind == JointKind::kRotary;
+  const bool one = travelled.size() == 1 && joints[travelled.front()].kind == JointKind::kRotary;
   return one ? travelled.front() : -1;
 }
 
@@ -101,7 +98,7 @@ bool warms(const Session& session, double from, double to) {
 Rows fromOneSide(const Session& session, const Rows& rows, std::size_t joint) {
   Rows forward, backward;
   for (const int i : rows) {
-    const double travel = session.observations[static_cast<std::size_t>(i)].travel[joint];
+    const double travel = session.observations[i].travel[joint];
     if (travel >= 0.0) forward.push_back(i);
     if (travel <= 0.0) backward.push_back(i);
   }
@@ -110,7 +107,7 @@ Rows fromOneSide(const Session& session, const Rows& rows, std::size_t joint) {
 
 /// Rows by the place of one joint, ascending, each in the order of time; those of few readings are left out.
 std::vector<Rows> placesAlong(const Session& session, Rows rows, std::size_t joint) {
-  const auto at = [&](int i) { return session.observations[static_cast<std::size_t>(i)].position[joint]; };
+  const auto at = [&](int i) { return session.observations[i].position[joint]; };
   std::stable_sort(rows.begin(), rows.end(), [&](int a, int b) { return at(a) < at(b); });
   const double tolerance = kSameTarget * (at(rows.back()) - at(rows.front()));
   std::vector<Rows> places;
@@ -146,8 +143,8 @@ ThermalCourse courseAt(const Session& session, const Rows& place, int component,
   ThermalCourse course;
   const double unit = angular ? kArcsecond : kMicrometre;
   for (const int i : place) {
-    const Observation& o = session.observations[static_cast<std::size_t>(i)];
-    double value = measuredBy(o)[static_cast<std::size_t>(component)];
+    const Observation& o = session.observations[i];
+    double value = measuredBy(o)[component];
     if (o.kind == ObservationKind::kPosition) value -= session.nominalProbe(o).position[component];
     course.measured.hours.push_back(o.time / kSecondsPerHour);
     course.measured.value.push_back(value / unit);
@@ -171,7 +168,7 @@ ThermalCourse differenceOf(const ThermalCourse& near, const ThermalCourse& far) 
   for (std::size_t i = 0; i < near.measured.hours.size(); ++i) {
     const double hour = near.measured.hours[i];
     const auto found = std::upper_bound(hours.begin(), hours.end() - 1, hour) - hours.begin();
-    const auto next = std::max<std::size_t>(1, static_cast<std::size_t>(found));
+    const auto next = std::max<std::size_t>(1, found);
     const double step = hours[next] - hours[next - 1];
     const double w = step > 0.0 ? (hours[next] - hour) / step : 1.0;
     if (w < -1.0 || w > 2.0) continue;
@@ -186,8 +183,7 @@ ThermalCourse differenceOf(const ThermalCourse& near, const ThermalCourse& far) 
 
 std::string directionOf(const Session& session, bool position, int component) {
   constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"};
-  return position ? kAxes[static_cast<std::size_t>(component)]
-                  : session.machine.joints()[static_cast<std::size_t>(component)].name;
+  return position ? kAxes[component] : session.machine.joints()[component].name;
 }
 
 std::string placeText(const ThermalTest& test, double at) {
@@ -197,7 +193,7 @@ std::string placeText(const ThermalTest& test, double at) {
 /// The difference of the first and last place along the direction in which the joint moves most.
 void addExpansion(ThermalTest& test, const Session& session, const std::vector<Rows>& places, bool position) {
   const auto probe = [&](const Rows& rows) {
-    return session.nominalProbe(session.observations[static_cast<std::size_t>(rows.front())]).position;
+    return session.nominalProbe(session.observations[rows.front()]).position;
   };
   int along = 0;
   (probe(places.back()) - probe(places.front())).cwiseAbs().maxCoeff(&along);
@@ -230,15 +226,15 @@ void addCourses(ThermalTest& test, const Session& session, const std::vector<Row
                 const ResidualOf& left) {
   std::vector<std::size_t> shown = {0, places.size() / 2, places.size() - 1};
   shown.erase(std::unique(shown.begin(), shown.end()), shown.end());
-  const Observation& any = session.observations[static_cast<std::size_t>(places.front().front())];
+  const Observation& any = session.observations[places.front().front()];
   const bool position = any.kind == ObservationKind::kPosition;
   const std::vector<double> values = measuredBy(any);
   const auto isAngular = [&](int k) {
-    return !position && session.machine.joints()[static_cast<std::size_t>(k)].kind == JointKind::kRotary;
+    return !position && session.machine.joints()[k].kind == JointKind::kRotary;
   };
   std::vector<int> components;
   for (int k = 0; k < static_cast<int>(values.size()); ++k)
-    if (std::isfinite(values[static_cast<std::size_t>(k)])) components.push_back(k);
+    if (std::isfinite(values[k])) components.push_back(k);
   test.angular = std::all_of(components.begin(), components.end(), isAngular);
   for (const std::size_t p : shown)
     for (const int k : components) {
@@ -248,10 +244,8 @@ void addCourses(ThermalTest& test, const Session& session, const std::vector<Row
       course.name = course.direction;
       for (char& c : course.name) c = position ? static_cast<char>(std::toupper(c)) : c;
       if (joint >= 0 && shown.size() > 1) {
-        const Joint& moving = session.machine.joints()[static_cast<std::size_t>(joint)];
-        course.at = session.observations[static_cast<std::size_t>(places[p].front())]
-                        .position[static_cast<std::size_t>(joint)] /
-                    readingUnit(moving).factor;
+        const Joint& moving = session.machine.joints()[joint];
+        course.at = session.observations[places[p].front()].position[joint] / readingUnit(moving).factor;
         course.name = (components.size() > 1 ? course.name + " at " : "") + placeText(test, course.at);
       }
       test.courses.push_back(std::move(course));
@@ -267,28 +261,27 @@ std::vector<ThermalTest> thermalTests(const Session& session, const ResidualOf& 
   for (const auto& [key, rows] : rowsOfOneKind(session)) {
     const std::vector<int> moved = movedJoints(session, rows);
     if (moved.size() > 1 || rows.size() < kFewestReadings) continue;
-    const double from = session.observations[static_cast<std::size_t>(rows.front())].time;
-    const double to = session.observations[static_cast<std::size_t>(rows.back())].time;
+    const double from = session.observations[rows.front()].time;
+    const double to = session.observations[rows.back()].time;
     const bool warming = warms(session, from, to);
     if (to - from < (warming ? kShortestTest : kShortestAlone)) continue;
     const Series* speed = moved.empty() ? turningSpindle(session, from, to) : nullptr;
     const int joint = !moved.empty() ? moved.front() : speed == nullptr ? swungJoint(session, rows) : -1;
     const std::vector<Rows> places =
-        moved.empty() ? std::vector<Rows>{rows} : placesAlong(session, rows, static_cast<std::size_t>(joint));
+        moved.empty() ? std::vector<Rows>{rows} : placesAlong(session, rows, joint);
     if (places.empty() || (!moved.empty() && !warming && places.size() > kMostPlacesAlone)) continue;
     ThermalTest test;
-    test.rotary =
-        joint >= 0 && session.machine.joints()[static_cast<std::size_t>(joint)].kind == JointKind::kRotary;
+    test.rotary = joint >= 0 && session.machine.joints()[joint].kind == JointKind::kRotary;
     test.kind = speed != nullptr ? ThermalTestKind::kSpindle
                 : joint < 0      ? ThermalTestKind::kEnvironment
                 : test.rotary    ? ThermalTestKind::kRotaryAxis
                                  : ThermalTestKind::kLinearAxis;
-    if (joint >= 0) test.joint = session.machine.joints()[static_cast<std::size_t>(joint)].name;
+    if (joint >= 0) test.joint = session.machine.joints()[joint].name;
     if (speed != nullptr) test.spindle = speed->name;
     const int setup = std::get<1>(key);
-    if (setup >= 0) test.setup = session.setups[static_cast<std::size_t>(setup)];
-    for (const Rows& place : places) test.readings += static_cast<int>(place.size());
-    test.places = static_cast<int>(places.size());
+    if (setup >= 0) test.setup = session.setups[setup];
+    for (const Rows& place : places) test.readings += place.size();
+    test.places = places.size();
     test.from = from / kSecondsPerHour;
     test.to = to / kSecondsPerHour;
     addCourses(test, session, places, joint, left);

@@ -31,7 +31,7 @@ Eigen::Vector3d VirtualMachine::seen(const Point& point, const double* parameter
                                      Model::Workspace& work) const {
   const Model& model = compensator_.model();
   const Eigen::Vector3d at = model.corrected(point.state, parameters, work).position;
-  const double distance = work.errors[static_cast<std::size_t>(model.machine().layout().distance())];
+  const double distance = work.errors[model.machine().layout().distance()];
   return at - distance * point.normal;
 }
 
@@ -39,7 +39,7 @@ void VirtualMachine::drawParameters(Random& random, int only, Workspace& work,
                                     std::vector<Eigen::Vector3d>& errors) const {
   work.normal.resize(values_.size());
   for (Eigen::Index k = 0; k < values_.size(); ++k) {
-    const int source = sourceOf_[static_cast<std::size_t>(k)];
+    const int source = sourceOf_[k];
     const bool acts = source >= 0 && (only < 0 || only == source);
     work.normal[k] = acts ? random.normal() : 0.0;
   }
@@ -60,7 +60,7 @@ void VirtualMachine::drawParameters(Random& random, int only, Workspace& work,
 
 void VirtualMachine::drawRemainder(Random& random, Workspace& work,
                                    std::vector<Eigen::Vector3d>& errors) const {
-  const auto n = static_cast<Eigen::Index>(points_.size());
+  const Eigen::Index n = points_.size();
   work.field.resize(n, 3);
   for (Eigen::Index i = 0; i < n; ++i)
     for (int k = 0; k < 3; ++k) work.field(i, k) = random.normal();
@@ -68,14 +68,13 @@ void VirtualMachine::drawRemainder(Random& random, Workspace& work,
   const double wider = remainder_.places > 0.0 ? studentFactor(remainder_.places, random) : 1.0;
   for (Eigen::Index i = 0; i < n; ++i)
     for (int k = 0; k < 3; ++k)
-      errors[static_cast<std::size_t>(i)][k] +=
-          wider * remainder_.smooth[k] * field(i, k) + remainder_.rough[k] * random.normal();
+      errors[i][k] += wider * remainder_.smooth[k] * field(i, k) + remainder_.rough[k] * random.normal();
 }
 
 void VirtualMachine::draw(Random& random, int only, Workspace& work,
                           std::vector<Eigen::Vector3d>& errors) const {
   errors.assign(points_.size(), Eigen::Vector3d::Zero());
-  const bool parameters = only < 0 || sources_[static_cast<std::size_t>(only)].cause == Cause::kParameters;
+  const bool parameters = only < 0 || sources_[only].cause == Cause::kParameters;
   if (parameters && values_.size() > 0) drawParameters(random, only, work, errors);
   for (std::size_t s = 0; s < sources_.size(); ++s) {
     if (only >= 0 && only != static_cast<int>(s)) continue;
@@ -87,7 +86,7 @@ void VirtualMachine::draw(Random& random, int only, Workspace& work,
         const DriftStep step(source.smooth, source.tau, interval_);
         Eigen::Vector2d now(random.normal(), random.normal());  // value, and slope in its own unit
         for (std::size_t i = 0; i < points_.size(); ++i) {
-          errors[i] += source.std * now[0] * source.along.col(static_cast<Eigen::Index>(i));
+          errors[i] += source.std * now[0] * source.along.col(i);
           const double first = random.normal(), second = source.smooth ? random.normal() : 0.0;
           now = step.stays * now + step.fresh * Eigen::Vector2d(first, second);
         }
@@ -102,8 +101,7 @@ void VirtualMachine::draw(Random& random, int only, Workspace& work,
         break;
       case Cause::kCommon: {
         const double size = source.std * random.normal();
-        for (std::size_t i = 0; i < points_.size(); ++i)
-          errors[i] += size * source.along.col(static_cast<Eigen::Index>(i));
+        for (std::size_t i = 0; i < points_.size(); ++i) errors[i] += size * source.along.col(i);
         break;
       }
     }

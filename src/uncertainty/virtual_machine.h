@@ -106,8 +106,8 @@ class VirtualMachine {
   /// A column of Source::along a point.
   template <typename Of>
   Eigen::Matrix3Xd byPoint(Of of) const {
-    Eigen::Matrix3Xd along(3, static_cast<Eigen::Index>(points_.size()));
-    for (std::size_t i = 0; i < points_.size(); ++i) along.col(static_cast<Eigen::Index>(i)) = of(points_[i]);
+    Eigen::Matrix3Xd along(3, points_.size());
+    for (std::size_t i = 0; i < points_.size(); ++i) along.col(i) = of(points_[i]);
     return along;
   }
   /// Where the tip, or the surface that it touches, is taken to be: corrected position less the effective

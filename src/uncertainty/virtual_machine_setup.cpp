@@ -31,7 +31,7 @@ class SettledTemperatures final : public TemperatureHistory {
   explicit SettledTemperatures(const std::vector<double>& temperature) : temperature_(temperature) {}
   double lagged(int sensor, double, double, double* byTau) const override {
     if (byTau != nullptr) *byTau = 0.0;
-    return temperature_[static_cast<std::size_t>(sensor)];
+    return temperature_[sensor];
   }
 
  private:
@@ -98,7 +98,7 @@ State VirtualMachine::blank(const TaskConditions& conditions) {
     if (s < 0)
       throw InputError("--temperature: '" + t.sensor + "' is not a sensor of this calibration" +
                        didYouMean(t.sensor, d.sensors) + "; it has " + listOf(d.sensors));
-    state.temperature[static_cast<std::size_t>(s)] = t.value;
+    state.temperature[s] = t.value;
   }
   temperature_ = state.temperature;
   history_ = std::make_unique<SettledTemperatures>(temperature_);
@@ -108,10 +108,8 @@ State VirtualMachine::blank(const TaskConditions& conditions) {
       state.position[j] = 0.0;
     state.travel[j] = 1.0;
   }
-  for (const auto& p : conditions.positions)
-    state.position[static_cast<std::size_t>(jointNamed(p.joint, d, "--joint"))] = p.value;
-  for (const auto& t : conditions.travel)
-    state.travel[static_cast<std::size_t>(jointNamed(t.joint, d, "--direction"))] = t.value;
+  for (const auto& p : conditions.positions) state.position[jointNamed(p.joint, d, "--joint")] = p.value;
+  for (const auto& t : conditions.travel) state.travel[jointNamed(t.joint, d, "--direction")] = t.value;
   return state;
 }
 
@@ -120,9 +118,8 @@ void VirtualMachine::place(const Calibration& calibration, const MeasurementTask
   const Model& model = compensator_.model();
   const Domain& d = model.domain();
   const State start = blank(conditions);
-  values_.resize(static_cast<Eigen::Index>(calibration.values.size()));
-  for (Eigen::Index k = 0; k < values_.size(); ++k)
-    values_[k] = calibration.values[static_cast<std::size_t>(k)].value;
+  values_.resize(calibration.values.size());
+  for (Eigen::Index k = 0; k < values_.size(); ++k) values_[k] = calibration.values[k].value;
   Model::Workspace work;
   Eigen::Matrix<double, 6, Eigen::Dynamic> byParameter;
   const int distance = model.machine().layout().distance();
@@ -141,12 +138,12 @@ void VirtualMachine::place(const Calibration& calibration, const MeasurementTask
       const Eigen::Matrix3Xd jacobian = model.machine().jacobian(state.position.data(), beam).topRows<3>();
       for (std::size_t j = 0; j < arrival.size(); ++j) {
         if (d.joints[j].kind != JointKind::kLinear) continue;
-        const double part = -jacobian.col(static_cast<Eigen::Index>(j)).dot(point.normal);
+        const double part = -jacobian.col(j).dot(point.normal);
         if (std::abs(part) > kAcross) arrival[j] = part > 0.0 ? 1.0 : -1.0;
         state.velocity[j] = d.laser ? 0.0 : conditions.contactSpeed * part;
       }
     }
-    if (p.axis >= 0) arrival[static_cast<std::size_t>(p.axis)] = p.side;
+    if (p.axis >= 0) arrival[p.axis] = p.side;
     state.travel = arrival;
     model.place(state);
     const TargetReadings target = compensator_.correctTarget(p.place, state, arrival);
@@ -175,7 +172,7 @@ void VirtualMachine::place(const Calibration& calibration, const MeasurementTask
 void VirtualMachine::addParameters(const Calibration& calibration) {
   const Model& model = compensator_.model();
   const Eigen::Index n = values_.size();
-  sourceOf_.assign(static_cast<std::size_t>(n), -1);
+  sourceOf_.assign(n, -1);
   root_ = Eigen::MatrixXd::Zero(n, n);
   if (n == 0) return;
   const Eigen::MatrixXd& covariance = calibration.covariance;
@@ -183,7 +180,7 @@ void VirtualMachine::addParameters(const Calibration& calibration) {
   for (Eigen::Index k = 0; k < n; ++k)
     if (!std::isfinite(std[k]) || !covariance.row(k).allFinite())
       throw InputError(
-          "parameter '" + calibration.values[static_cast<std::size_t>(k)].name +
+          "parameter '" + calibration.values[k].name +
           "' has no finite standard uncertainty: the session did not determine it; remove its effect or "
           "calibrate with a session that determines it (mm check)");
   // Each independent variable of the root stays with the parameter that it resembles most, so that shares are
@@ -191,12 +188,12 @@ void VirtualMachine::addParameters(const Calibration& calibration) {
   root_ = rootOfCovariance(covariance);
   for (std::size_t e = 0; e < model.effects().size(); ++e) {
     Source source{Cause::kParameters, {}, 0.0, 0.0, {}};
-    const auto index = static_cast<int>(sources_.size());
+    const int index = sources_.size();
     for (int k = 0; k < model.effects()[e]->parameterCount(); ++k) {
-      const int p = model.offset(static_cast<int>(e)) + k;
+      const int p = model.offset(e) + k;
       if (std[p] > 0.0) {
         source.parameters.push_back(p);
-        sourceOf_[static_cast<std::size_t>(p)] = index;
+        sourceOf_[p] = index;
       }
     }
     linear_ = linear_ && (model.effects()[e]->linear() || source.parameters.empty());
@@ -241,13 +238,11 @@ void VirtualMachine::addRemainder(const Calibration& c, const TaskConditions& co
   const double size = std::sqrt((remainder_.smooth.squaredNorm() + remainder_.rough.squaredNorm()) / 3.0);
   if (!(size > 0.0)) return;
   add("unexplained remainder", {Cause::kRemainder, {}, size, 0.0, {}});
-  const auto n = static_cast<Eigen::Index>(points_.size());
+  const Eigen::Index n = points_.size();
   Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(n, n) * (1.0 + kPositive);
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index j = 0; j < i; ++j) {
-      const double apart =
-          (points_[static_cast<std::size_t>(i)].place - points_[static_cast<std::size_t>(j)].place)
-              .squaredNorm();
+      const double apart = (points_[i].place - points_[j].place).squaredNorm();
       correlation(i, j) = correlation(j, i) =
           remainder_.length > 0.0 ? std::exp(-0.5 * apart / (remainder_.length * remainder_.length)) : 0.0;
     }
@@ -282,7 +277,7 @@ void VirtualMachine::addTemperatures(const TaskConditions& conditions) {
   Model::Workspace work;
   for (const TaskConditions::Temperature& t : conditions.temperatures) {
     if (!(t.std > 0.0)) continue;
-    const auto s = static_cast<std::size_t>(model.domain().findSensor(t.sensor));
+    const int s = model.domain().findSensor(t.sensor);
     const double step = std::max(t.std, kTemperatureStep), was = temperature_[s];
     const auto perKelvin = [&](Point point) {
       Eigen::Vector3d sides[2];
