@@ -121,7 +121,7 @@ void knownNoBetterThanSisters(std::vector<Sister>& sisters, const std::vector<do
 /// Sum of squares of the days about their mean: what a slope is known by.
 double leverOf(const FleetSeries& s) {
   double mean = 0.0, sum = 0.0;
-  for (const TrendPoint& p : s.points) mean += p.day / static_cast<double>(s.points.size());
+  for (const TrendPoint& p : s.points) mean += p.day / s.points.size();
   for (const TrendPoint& p : s.points) sum += (p.day - mean) * (p.day - mean);
   return std::max(sum, kNoSpan);
 }
@@ -133,7 +133,7 @@ void compareLevels(const std::vector<const FleetSeries*>& group, double alpha,
   for (const FleetSeries* s : group) {
     const TrendSegment& last = s->trend.segments.back();
     sisters.push_back(presentOf(*s));
-    sessions.push_back(static_cast<double>(last.end - last.first));
+    sessions.push_back(last.end - last.first);
   }
   knownNoBetterThanSisters(sisters, sessions);
   const Sisterhood all = sistersOf(sisters);
@@ -288,7 +288,7 @@ double sisterQuestions(const Fleet& fleet) {
   double count = 0.0;
   for (const auto& [quantity, group] : byQuantity(fleet)) {
     if (group.size() < kFewestSisters) continue;
-    count += static_cast<double>(group.size());
+    count += group.size();
     for (const FleetSeries* s : group)
       if (s->points.size() >= kFewestForTrend) ++count;
   }
@@ -302,7 +302,7 @@ void findSisters(Fleet& fleet, double alpha) {
   }
 }
 
-double recurrenceQuestions(const Fleet& fleet) { return static_cast<double>(foundSeries(fleet).size()); }
+double recurrenceQuestions(const Fleet& fleet) { return foundSeries(fleet).size(); }
 
 void findRecurrences(Fleet& fleet, double alpha) {
   for (const FoundSeries& s : foundSeries(fleet)) {

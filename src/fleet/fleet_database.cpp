@@ -163,7 +163,7 @@ void FleetDatabase::takeOut(const std::string& key) {
 long FleetDatabase::count(const std::string& status) const {
   Database::Statement s = database_.prepare("SELECT count(*) FROM jobs WHERE current=1 AND status=?1");
   s.bind(1, status).step();
-  return static_cast<long>(s.whole(0));
+  return s.whole(0);
 }
 
 std::vector<FleetRecord> FleetDatabase::records() const {

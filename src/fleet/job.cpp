@@ -46,8 +46,8 @@ class PartsHash {
     std::vector<char> block(kBlock);
     std::uintmax_t read = 0;
     while (in.read(block.data(), kBlock) || in.gcount() > 0) {
-      bytes(block.data(), static_cast<std::size_t>(in.gcount()));
-      read += static_cast<std::uintmax_t>(in.gcount());
+      bytes(block.data(), in.gcount());
+      read += in.gcount();
     }
     if (in.bad())
       throw InputError(path.string() + ": cannot be read to its end: the disk reports an error; run again");

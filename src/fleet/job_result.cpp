@@ -51,15 +51,15 @@ void readDiagnosis(const fs::path& file, JobResult& result) {
 
 void takeFigures(const Calibration& c, JobResult& result) {
   constexpr double kMicro = 1e6;
-  result.observations = static_cast<long>(c.observations);
+  result.observations = c.observations;
   result.angular = !std::isfinite(c.rms) && std::isfinite(c.rmsAngular);
   result.rms = (result.angular ? c.rmsAngular : c.rms) * kMicro;
   result.heldOutRms = (result.angular ? c.heldOutRmsAngular : c.heldOutRms) * kMicro;
   result.chi2PerDof = c.chi2PerDof;
   result.repeatability = c.repeatability * kMicro;
   for (const Calibration::Value& v : c.values)
-    result.parameters.push_back({c.effects[static_cast<std::size_t>(v.effect)].yaml(), v.name, v.unit,
-                                 v.value * v.toUnit, v.std * v.toUnit, v.fixed});
+    result.parameters.push_back(
+        {c.effects[v.effect].yaml(), v.name, v.unit, v.value * v.toUnit, v.std * v.toUnit, v.fixed});
   for (const LedgerEntry& step : c.ledger)
     if (step.action == "add") result.found.push_back(step.effect.yaml());
 }

@@ -80,7 +80,7 @@ void readChoices(const YamlMapping& entry, const fs::path& folder, Choices& c) {
       entry.fail("method", "'" + c.job.method + "' is not known" + didYouMean(c.job.method, kMethods) +
                                " (methods are " + listOf(kMethods) + ")");
   }
-  if (entry.has("seed")) c.job.seed = static_cast<std::uint64_t>(entry.count("seed", 0));
+  if (entry.has("seed")) c.job.seed = entry.count("seed", 0);
   if (entry.has("repeatability_um")) c.job.repeatability = entry.number("repeatability_um", 1.0, 1e-6, 1e6);
   if (entry.has("namespace")) c.job.space = utf8(entry, "namespace", entry.text("namespace"));
   if (entry.has("loaded")) c.job.loaded = entry.flag("loaded");

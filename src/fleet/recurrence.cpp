@@ -30,12 +30,8 @@ Recurrence recurrenceOf(const std::vector<bool>& found) {
   if (n < 6) return best;
   std::vector<double> sum{0.0};
   for (const bool f : found) sum.push_back(sum.back() + (f ? 1.0 : 0.0));
-  const auto part = [&](std::size_t a, std::size_t b) {
-    return logEvidence(sum[b] - sum[a], static_cast<double>(b - a));
-  };
-  const auto share = [&](std::size_t a, std::size_t b) {
-    return (sum[b] - sum[a]) / static_cast<double>(b - a);
-  };
+  const auto part = [&](std::size_t a, std::size_t b) { return logEvidence(sum[b] - sum[a], b - a); };
+  const auto share = [&](std::size_t a, std::size_t b) { return (sum[b] - sum[a]) / (b - a); };
   double once = kNever, twice = kNever, likeliest = kNever;
   double places = 0.0, pairs = 0.0;
   for (std::size_t i = 1; i < n; ++i) {

@@ -31,11 +31,11 @@ double pairSpread(const std::vector<double>& values) {
   for (std::size_t i = 1; i < n; ++i)
     for (std::size_t j = 0; j < i; ++j) apart.push_back(std::abs(values[i] - values[j]));
   const std::size_t half = n / 2 + 1, order = half * (half - 1) / 2;
-  const auto at = apart.begin() + static_cast<std::ptrdiff_t>(order - 1);
+  const auto at = apart.begin() + (order - 1);
   std::nth_element(apart.begin(), at, apart.end());
   constexpr double kOfNormal = 2.21914446598508;  // 1 / (sqrt(2) times the quantile of 5/8)
   constexpr double kSmall[] = {0.399, 0.994, 0.512, 0.844, 0.611, 0.857, 0.669, 0.872};  // of 2 to 9
-  const auto count = static_cast<double>(n);
+  const double count = n;
   const double factor = n <= 9 ? kSmall[n - 2] : count / (count + (n % 2 == 1 ? 1.4 : 3.8));
   return kOfNormal * factor * *at;
 }

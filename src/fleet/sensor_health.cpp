@@ -42,7 +42,7 @@ std::vector<SensorHealth> sensorHealth(const Session& session) {
   for (const Series& series : session.temperatures) {
     SensorHealth h;
     h.sensor = series.name;
-    h.values = static_cast<int>(series.value.size());
+    h.values = series.value.size();
     for (const SetAside& aside : session.setAside)
       if (aside.logged && aside.logged->temperature && aside.logged->series == series.name) ++h.setAside;
     double sum = 0.0;

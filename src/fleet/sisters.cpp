@@ -36,8 +36,8 @@ double excessSpread(const std::vector<double>& away, const std::vector<double>& 
 double freedomsOf(std::size_t machines) {
   constexpr double kEfficiency = 0.37;  // of a median deviation
   constexpr std::size_t kFew = 10;
-  return machines <= kMostForPairs ? static_cast<double>(machines / 2 + (machines < kFew ? 0 : 1))
-                                   : kEfficiency * (static_cast<double>(machines) - 1.0);
+  return machines <= kMostForPairs ? machines / 2 + (machines < kFew ? 0 : 1)
+                                   : kEfficiency * (machines - 1.0);
 }
 
 }  // namespace
@@ -57,7 +57,7 @@ Sisterhood sistersOf(const std::vector<Sister>& sisters) {
   }
   all.spread = sisters.size() <= kMostForPairs ? excessSpread(away, variance) : excessScatter(away, variance);
   for (const double v : variance) total.push_back(v + all.spread * all.spread);
-  const auto count = static_cast<double>(sisters.size());
+  const double count = sisters.size();
   const double ofCentre = kOfMedian * median(total) / count;
   all.centreStd = std::sqrt(ofCentre);
   if (sisters.size() < kFewest) return all;
