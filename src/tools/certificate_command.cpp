@@ -12,7 +12,6 @@
 #include "machine/machine_fit.h"
 #include "report/certificate.h"
 #include "report/certificate_figures.h"
-#include "report/certificate_issue.h"
 #include "report/certificate_seal.h"
 #include "report/dcc.h"
 #include "session/session_hash.h"
@@ -268,9 +267,7 @@ int runCertificate(CertificateCommand& c) {
                      (c.calibration.empty() ? "a calibration file" : "-o, the file to write,") +
                      " is missing; write mm certificate c.yaml -o certificate.pdf, or mm certificate --check "
                      "certificate.pdf");
-  c.files.input(c.calibration);
-  c.files.input(c.bag);
-  c.files.input(c.sign);
+  c.files.input({c.calibration, c.bag, c.sign});
   c.files.output("-o", c.output, FileKind::kCertificate);
   c.files.check();
   const bool pdf = isNamed(c.output, ".pdf"), xml = isNamed(c.output, ".xml");

@@ -10,7 +10,6 @@
 #include "compensation_support.h"
 #include "model/model_spec.h"
 #include "report/certificate_figures.h"
-#include "report/certificate_issue.h"
 #include "report/certificate_plots.h"
 #include "report/certificate_seal.h"
 #include "report/uncertainty_output.h"
