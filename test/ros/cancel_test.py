@@ -28,6 +28,7 @@ class CancelTest(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = support.folder()
         cls.bag = support.simulate(os.path.join(cls.folder, "s.bag"))
+        cls.big = support.simulate(os.path.join(cls.folder, "big.bag"), "config/plans/micro_machine_tool.yaml")
 
     @classmethod
     def tearDownClass(cls):
@@ -48,14 +49,13 @@ class CancelTest(unittest.TestCase):
 
     def test_one_at_a_time_and_cancel_in_every_stage(self):
         """A run on a large session: refused beside it, cancelled in each stage it has (every day two), and the node lives on."""
-        big = support.simulate(os.path.join(self.folder, "big.bag"), "config/plans/micro_machine_tool.yaml")
         effects = support.model("{type: mmt_deviation, axis: x, lead_mm: 0.5}", "{type: mmt_deviation, axis: y, lead_mm: 0.5}", "{type: mmt_deviation, axis: z, lead_mm: 0.5}")
         refused = 0
-        stages = self.stages_of(big, effects) if support.thorough_tests() else ALWAYS
+        stages = self.stages_of(self.big, effects) if support.thorough_tests() else ALWAYS
         for stage in stages:
             now, answers = [""], []
             watch = rospy.Subscriber("calibration_server/progress", Progress, lambda m: now.__setitem__(0, m.stage), queue_size=None)
-            call = threading.Thread(target=lambda: answers.append(service("calibrate", Calibrate, bag=big, model=effects)))
+            call = threading.Thread(target=lambda: answers.append(service("calibrate", Calibrate, bag=self.big, model=effects)))
             call.start()
             self.assertTrue(support.wait_until(lambda: now[0] == stage or answers, PATIENCE))
             if not answers:
@@ -77,7 +77,7 @@ class CancelTest(unittest.TestCase):
             watch = rospy.Subscriber("calibration_server/progress", Progress, lambda m: m.stage in begun or begun.append(m.stage),
                                      queue_size=None)
             call = threading.Thread(target=lambda: answers.append(
-                service("diagnose", Diagnose, bag=big, calibration=small.calibration_id)))
+                service("diagnose", Diagnose, bag=self.big, calibration=small.calibration_id)))
             call.start()
             # In its first, second and third stage, beside what was there before it began.
             self.assertTrue(support.wait_until(lambda: len([s for s in begun if s]) > part or answers, PATIENCE), begun)
@@ -122,8 +122,7 @@ class CancelTest(unittest.TestCase):
         self.assertEqual(diagnosis.get_state(), GoalStatus.ABORTED)
 
     def test_a_goal_is_cancelled_and_none_takes_its_place(self):
-        big = support.simulate(os.path.join(self.folder, "big_goal.bag"), "config/plans/micro_machine_tool.yaml")
-        goal = CalibrateGoal(bag=big, model=support.model("{type: mmt_deviation, axis: x, lead_mm: 0.5}", "{type: mmt_deviation, axis: y, lead_mm: 0.5}"))
+        goal = CalibrateGoal(bag=self.big, model=support.model("{type: mmt_deviation, axis: x, lead_mm: 0.5}", "{type: mmt_deviation, axis: y, lead_mm: 0.5}"))
         first, second, seen = self.client("calibrate", CalibrateAction), self.client("calibrate", CalibrateAction), []
         first.send_goal(goal, feedback_cb=lambda f: seen.append(f.stage))
         self.assertTrue(support.wait_until(lambda: "genetic" in seen, PATIENCE), seen)

@@ -111,11 +111,10 @@ class Workbench(unittest.TestCase):
         # the nodes of the machine start beside the workbench: a stop must reach them before a page may arm
         assert page.wait(lambda s: s["machine"] and not s["machine"]["no_stop"]), page.state()
         page.close()
-        with open(os.path.join(support.PACKAGE, "config/demo_plan.yaml")) as f:
+        with open(os.path.join(support.PACKAGE, "test/ros/workbench_plan.yaml")) as f:
             cls.plan = f.read()
         # the same from wherever the machine stands: upwards first; and with a long way above the balls before
         up = "moves:\n  - {z_mm: 12}\n"
-        cls.plan = cls.plan.replace("points: 24", "points: 12")
         cls.again = cls.plan.replace("touch:", up + "touch:").replace("points: 12", "points: 6").replace("demo_plate", "fresh_points")
         there_and_back = "  - {x_mm: 13, y_mm: 28, speed_mm_s: 5}\n  - {x_mm: -13, y_mm: -8, speed_mm_s: 5}\n"
         cls.long_way = cls.plan.replace("touch:", up + 40 * there_and_back + "touch:")
