@@ -369,7 +369,8 @@ def try_faults(work):
     if THOROUGH:
         told += [("m08", "changed", "squareness"), ("m21", "sensor", "offset of sensor frame changed")]
     only = ["m01", *(["m02", "m04", "m05"] if THOROUGH else []), *(machine for machine, _, _ in told)]
-    made = subprocess.run([os.path.join(ROOT, "scripts/fleet_simulation"), "-o", fleet, "--sessions", "16", "--steps", "calibrate",
+    made = subprocess.run([os.path.join(ROOT, "scripts/fleet_simulation"), "-o", fleet, "--sessions", "16" if THOROUGH else "8",
+                           "--steps", "calibrate",
                            "--only", ",".join(only)], capture_output=True, text=True)
     batch(fleet + "/manifest.yaml", folder)
     done = mm("fleet", folder, "--json")

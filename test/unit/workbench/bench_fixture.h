@@ -26,7 +26,7 @@ inline const Session& plate() {
     SimulationRequest request;
     request.hide = {"backlash:x=3um"};
     request.seed = 5;
-    Session measured = simulate(machine, nineBallPlate(machine, 30), request).session;
+    Session measured = simulate(machine, nineBallPlate(machine, 12), request).session;
     measured.source = "plate.bag";
     return measured;
   }();
