@@ -22,9 +22,10 @@ double trimmed(std::vector<double> values) {
   return std::sqrt(sum / static_cast<double>(kept));
 }
 
-/// What is left between points (columns, m), where `from` may be moved if it is free. @param turn gets by how
+/// What is left between points (m), where `from` may be moved if it is free. @param turn gets by how
 /// much it was turned, rad.
-Eigen::Matrix3Xd misfit(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to, bool free, double& turn) {
+Eigen::Matrix3Xd misfit(const PointPairs& pairs, bool free, double& turn) {
+  const Eigen::Matrix3Xd from = columnsOfPoints(pairs.from), to = columnsOfPoints(pairs.to);
   const RigidMotion motion = free ? rigidMotion(from, to) : RigidMotion();
   turn = Eigen::AngleAxisd(motion.rotation).angle();
   return to - ((motion.rotation * from).colwise() + motion.translation);
@@ -54,7 +55,7 @@ Geometry::Geometry(const Session& session) : session_(session), of_(session.arti
   for (auto& rows : of_) thin(rows);
 }
 
-Agreement Geometry::judge(const Readings& change) const {
+Agreement Geometry::judge(const Change& change) const {
   Agreement a;
   a.centres.assign(of_.size(), Eigen::Vector3d::Constant(kNotMeasured));
   std::vector<double> within;
@@ -71,7 +72,7 @@ Agreement Geometry::judge(const Readings& change) const {
 }
 
 /// The tips on one ball, or about one point.
-void Geometry::judgeFeature(std::size_t f, const Readings& change, Agreement& a, std::vector<double>& within,
+void Geometry::judgeFeature(std::size_t f, const Change& change, Agreement& a, std::vector<double>& within,
                             double& aligned, int& approaches) const {
   const Feature& feature = session_.artifact.features[f];
   std::vector<Eigen::Vector3d> tips;
@@ -100,24 +101,20 @@ void Geometry::judgeFeature(std::size_t f, const Readings& change, Agreement& a,
 
 double Geometry::layout(const std::vector<Eigen::Vector3d>& centres, const std::vector<int>& names,
                         Agreement& turned) const {
-  Eigen::Matrix3Xd from(3, 0), to(3, 0);
+  PointPairs pairs;
   for (std::size_t f = 0; f < centres.size(); ++f) {
     const Feature& feature = session_.artifact.features[static_cast<std::size_t>(names[f])];
-    if (!feature.known || !centres[f].allFinite()) continue;
-    from.conservativeResize(3, from.cols() + 1);
-    to.conservativeResize(3, to.cols() + 1);
-    from.rightCols<1>() = feature.position;
-    to.rightCols<1>() = centres[f];
+    if (feature.known && centres[f].allFinite()) pairs.add(feature.position, centres[f]);
   }
   const bool free = session_.poseFree(placement_);
-  constexpr Eigen::Index kLayout = 3;
-  if (from.cols() < (free ? kLayout : 1)) return 0.0;
+  constexpr std::size_t kLayout = 3;
+  if (pairs.from.size() < (free ? kLayout : 1)) return 0.0;
   turned.cap = INFINITY;  // the layout says how large everything is
-  const Eigen::Matrix3Xd off = misfit(from, to, free, turned.turn);
+  const Eigen::Matrix3Xd off = misfit(pairs, free, turned.turn);
   return std::sqrt(off.squaredNorm() / static_cast<double>(off.size()));
 }
 
-double Geometry::travelling(const Agreement& base, const Velocities& change) const {
+double Geometry::travelling(const Agreement& base, const Change& change) const {
   double aligned = 0.0;
   int touches = 0;
   for (std::size_t f = 0; f < of_.size(); ++f) {
@@ -146,7 +143,7 @@ std::vector<int> Geometry::names() const {
   return own;
 }
 
-Eigen::Vector3d Geometry::tipOf(const Observation& o, const Readings& change) const {
+Eigen::Vector3d Geometry::tipOf(const Observation& o, const Change& change) const {
   if (!change) return session_.nominalProbe(o).position;
   Observation changed = o;
   change(changed.position);
@@ -154,16 +151,13 @@ Eigen::Vector3d Geometry::tipOf(const Observation& o, const Readings& change) co
 }
 
 /// What an independent instrument found of the tip's position, NaN without.
-double Geometry::positions(const Readings& change) const {
+double Geometry::positions(const Change& change) const {
   constexpr std::size_t kFew = 5;
   if (positions_.size() < kFew) return kNotMeasured;
-  Eigen::Matrix3Xd from(3, positions_.size()), to(3, positions_.size());
-  for (std::size_t i = 0; i < positions_.size(); ++i) {
-    from.col(static_cast<Eigen::Index>(i)) = positions_[i]->reference;
-    to.col(static_cast<Eigen::Index>(i)) = tipOf(*positions_[i], change);
-  }
+  PointPairs pairs;
+  for (const Observation* o : positions_) pairs.add(o->reference, tipOf(*o, change));
   double turn = 0.0;
-  const Eigen::Matrix3Xd off = misfit(from, to, session_.poseFree(placement_), turn);
+  const Eigen::Matrix3Xd off = misfit(pairs, session_.poseFree(placement_), turn);
   std::vector<double> distances;
   for (Eigen::Index i = 0; i < off.cols(); ++i) distances.push_back(off.col(i).norm());
   return trimmed(std::move(distances)) / std::sqrt(3.0);

@@ -18,11 +18,8 @@ struct Agreement {
   std::vector<Eigen::Vector3d> centres;
 };
 
-/// What is done to the readings of each row: another unit, a sign, an exchange.
-using Readings = std::function<void(std::vector<double>&)>;
-
-/// What is done to the velocities of each row.
-using Velocities = std::function<void(std::vector<double>&)>;
+/// What is done to the readings of each row, or to its velocities: another unit, a sign, an exchange.
+using Change = std::function<void(std::vector<double>&)>;
 
 /// Judges how well the tips of a session lie on the artifact's balls, their centres in its layout, and the
 /// readings where an instrument found them. A few hundred rows of each are enough, and one placement and
@@ -32,11 +29,11 @@ class Geometry {
   /// @param session prepared; it must outlive this.
   explicit Geometry(const Session& session);
   /// @param change of the readings; may be empty.
-  Agreement judge(const Readings& change) const;
+  Agreement judge(const Change& change) const;
   /// @param base judge() of the readings as they are. @param change may be empty.
   /// @return mean cosine between the tip's motion by the recorded velocities, changed, and the direction to
   /// the ball's centre, over the touches that have them; NaN: none has.
-  double travelling(const Agreement& base, const Velocities& change) const;
+  double travelling(const Agreement& base, const Change& change) const;
   /// @param names of the feature at each centre. @return m, RMS of a component; 0 where the layout says
   /// nothing. @param turned gets the rotation that it takes.
   double layout(const std::vector<Eigen::Vector3d>& centres, const std::vector<int>& names,
@@ -45,10 +42,10 @@ class Geometry {
   std::vector<int> names() const;
 
  private:
-  void judgeFeature(std::size_t feature, const Readings& change, Agreement& a, std::vector<double>& within,
+  void judgeFeature(std::size_t feature, const Change& change, Agreement& a, std::vector<double>& within,
                     double& aligned, int& approaches) const;
-  Eigen::Vector3d tipOf(const Observation& o, const Readings& change) const;
-  double positions(const Readings& change) const;
+  Eigen::Vector3d tipOf(const Observation& o, const Change& change) const;
+  double positions(const Change& change) const;
 
   const Session& session_;
   std::vector<std::vector<const Observation*>> of_;

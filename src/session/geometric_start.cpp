@@ -25,17 +25,6 @@ struct Spot {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // in workpiece, without the stylus' offset if unknown
 };
 
-/// Points of which places are known in two frames.
-struct Pairs {
-  std::vector<Eigen::Vector3d> from, to;
-};
-
-Eigen::Matrix3Xd columnsOf(const std::vector<Eigen::Vector3d>& points) {
-  Eigen::Matrix3Xd columns(3, static_cast<Eigen::Index>(points.size()));
-  for (std::size_t i = 0; i < points.size(); ++i) columns.col(static_cast<Eigen::Index>(i)) = points[i];
-  return columns;
-}
-
 class Start {
  public:
   explicit Start(const Session& session) : session_(session) {}
@@ -150,23 +139,22 @@ class Start {
   }
 
   /// What is known in the artifact's frame and was found in a placement.
-  Pairs pairsOf(int placement) const {
-    Pairs pairs;
+  PointPairs pairsOf(int placement) const {
+    PointPairs pairs;
     for (const Spot& spot : spots_)
       if (spot.placement == placement && known_[static_cast<std::size_t>(spot.feature)])
-        pairs.from.push_back(out_.features[static_cast<std::size_t>(spot.feature)]),
-            pairs.to.push_back(spot.centre);
+        pairs.add(out_.features[static_cast<std::size_t>(spot.feature)], spot.centre);
     for (const Observation& o : session_.observations)
       if (o.kind == ObservationKind::kPosition && o.placement == placement && o.reference.allFinite())
-        pairs.from.push_back(o.reference), pairs.to.push_back(out_.tipOf(session_, o));
+        pairs.add(o.reference, out_.tipOf(session_, o));
     return pairs;
   }
 
   void place(int placement) {
     RigidMotion& pose = out_.poses[static_cast<std::size_t>(placement)];
     if (session_.poseFree(placement)) {
-      const Pairs pairs = pairsOf(placement);
-      if (!pairs.from.empty()) pose = rigidMotion(columnsOf(pairs.from), columnsOf(pairs.to));
+      const PointPairs pairs = pairsOf(placement);
+      if (!pairs.from.empty()) pose = rigidMotion(columnsOfPoints(pairs.from), columnsOfPoints(pairs.to));
     }
     for (const Spot& spot : spots_) {
       const auto f = static_cast<std::size_t>(spot.feature);
@@ -254,6 +242,12 @@ void startFreeFeatures(Session& session) {
                        "in the artifact file: position_mm: [x, y, z]");
     }
   }
+}
+
+Eigen::Matrix3Xd columnsOfPoints(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::Matrix3Xd columns(3, static_cast<Eigen::Index>(points.size()));
+  for (std::size_t i = 0; i < points.size(); ++i) columns.col(static_cast<Eigen::Index>(i)) = points[i];
+  return columns;
 }
 
 RigidMotion rigidMotion(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to) {

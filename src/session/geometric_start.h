@@ -29,6 +29,13 @@ GeometricStart geometricStart(const Session& session);
 /// mean where there is none), or where its lengths begin. @throw InputError: these do not determine it.
 void startFreeFeatures(Session& session);
 
+/// Points of which places are known in two frames, m.
+struct PointPairs {
+  std::vector<Eigen::Vector3d> from, to;
+  void add(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { from.push_back(a), to.push_back(b); }
+};
+Eigen::Matrix3Xd columnsOfPoints(const std::vector<Eigen::Vector3d>& points);  ///< one a point
+
 /// The rigid motion that brings `from` closest to `to` (columns, m): translation alone of one point, the
 /// shortest rotation of points on one line. Otherwise that of Umeyama (IEEE Trans. PAMI 13 (1991) 376), a
 /// rotation also where a reflection fits better.

@@ -11,6 +11,7 @@
 #include "base/names_of.h"
 #include "base/nearest_name.h"
 #include "base/read_file.h"
+#include "base/text.h"
 #include "base/units.h"
 #include "base/yaml_mapping.h"
 #include "session/artifact_file.h"
@@ -299,17 +300,18 @@ Eigen::Vector3d Plan::tipOf(const Machine& machine, const std::vector<double>& r
 }
 
 std::string Plan::standText(const PlanMove& move) const {
-  std::string text, name;
+  std::vector<std::string> parts;
+  std::string name;
   if (!placements.empty()) name = placements[static_cast<std::size_t>(move.placement)].name;
   if (const std::optional<TrialBlock> block = trialBlock(name)) {
-    text = format("state %c of the correction (block %d of %d)", block->state, block->number, block->of);
+    parts.push_back(
+        format("state %c of the correction (block %d of %d)", block->state, block->number, block->of));
     name = block->placement;
   }
-  if (!name.empty()) text += (text.empty() ? "placement '" : ", placement '") + name + "'";
+  if (!name.empty()) parts.push_back("placement '" + name + "'");
   if (artifact.styli.size() > 1)
-    text += (text.empty() ? "" : ", ") +
-            ("stylus '" + artifact.styli[static_cast<std::size_t>(move.stylus)].name) + "'";
-  return text;
+    parts.push_back("stylus '" + artifact.styli[static_cast<std::size_t>(move.stylus)].name + "'");
+  return joined(parts, ", ");
 }
 
 Plan Plan::load(const std::filesystem::path& file, const Machine& machine) {

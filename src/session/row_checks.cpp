@@ -1,5 +1,3 @@
-#include "session/row_checks.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -10,6 +8,7 @@
 #include "base/units.h"
 #include "machine/joint_units.h"
 #include "session/copied_rows.h"
+#include "session/sense_checks.h"
 
 namespace mm {
 namespace {

@@ -10,7 +10,6 @@
 #include "machine/joint_units.h"
 #include "session/agreement.h"
 #include "session/assumed_travel.h"
-#include "session/row_checks.h"
 
 namespace mm {
 namespace {
@@ -146,7 +145,7 @@ class Asker {
 
   /// @return whether it agrees, and so is kept.
   /// @param factor by which readings are multiplied: what is shrunk disagrees less, whatever it is.
-  bool consider(const std::string& with, const std::string& question, const Readings& change,
+  bool consider(const std::string& with, const std::string& question, const Change& change,
                 double factor = 1.0) {
     constexpr double kCap = 0.3;  // radii: what is shrunk to a point lies on any sphere
     Hypothesis h{with, question, geometry_.judge(change)};
@@ -304,7 +303,7 @@ class Asker {
     const double recorded = geometry_.travelling(base_, {});
     if (!(recorded < kBeside)) return;
     const auto& joints = session_.machine.joints();
-    const auto tried = [&](const std::string& how, const std::string& question, const Velocities& change) {
+    const auto tried = [&](const std::string& how, const std::string& question, const Change& change) {
       const double aligned = geometry_.travelling(base_, change);
       if (!(aligned > kAt)) return;
       first(

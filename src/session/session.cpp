@@ -82,6 +82,12 @@ void checkValues(const Session& session, const Observation& o) {
   }
 }
 
+template <typename Named>
+int indexOf(const std::string& name, const std::vector<Named>& all) {
+  const auto at = std::find_if(all.begin(), all.end(), [&](const Named& n) { return n.name == name; });
+  return at == all.end() ? -1 : static_cast<int>(at - all.begin());
+}
+
 void checkSeries(const Session& session, const Series& series) {
   if (series.time.size() != series.value.size())
     throw InputError(session.source + ": series '" + series.name +
@@ -134,17 +140,9 @@ void order(Session& session) {
 
 }  // namespace
 
-int Artifact::findFeature(const std::string& name) const {
-  for (std::size_t i = 0; i < features.size(); ++i)
-    if (features[i].name == name) return static_cast<int>(i);
-  return -1;
-}
+int Artifact::findFeature(const std::string& name) const { return indexOf(name, features); }
 
-int Artifact::findStylus(const std::string& name) const {
-  for (std::size_t i = 0; i < styli.size(); ++i)
-    if (styli[i].name == name) return static_cast<int>(i);
-  return -1;
-}
+int Artifact::findStylus(const std::string& name) const { return indexOf(name, styli); }
 
 double Artifact::tipRadiusOf(int stylus) const {
   return styli.empty() ? tipRadius : styli[static_cast<std::size_t>(stylus)].tipRadius;

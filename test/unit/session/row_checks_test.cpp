@@ -1,5 +1,3 @@
-#include "session/row_checks.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
