@@ -29,10 +29,6 @@
 namespace mm {
 namespace {
 
-void add(std::string& message, const std::string& more) {
-  if (!more.empty()) message += (message.empty() ? "" : "; ") + more;
-}
-
 /// A path within a flow mapping of YAML.
 std::string inYaml(const std::string& path) {
   const bool plain = std::all_of(path.begin(), path.end(), [](unsigned char c) {
@@ -229,11 +225,11 @@ std::string CalibrationServer::keep(Recalibration& done, const Session& session,
   success = doubt.empty();
   message = doubt.empty() ? "candidate " + id : doubt + " (candidate " + id + ")";
   const std::string misfit = misfitOf(done.calibration, machine_, machineSpace());
-  if (!misfit.empty()) add(message, "it cannot be promoted here: " + misfit);
-  add(message, lossText(session));
-  add(message, errorText(done.result, done.calibration.ledger.back().rmsBefore));
+  if (!misfit.empty()) addWords(message, "it cannot be promoted here: " + misfit);
+  addWords(message, lossText(session));
+  addWords(message, errorText(done.result, done.calibration.ledger.back().rmsBefore));
   if (success != 0)
-    add(message, nextCall("diagnose", lastBag_.empty() ? "'{}'" : "'{bag: " + inYaml(lastBag_) + "}'"));
+    addWords(message, nextCall("diagnose", lastBag_.empty() ? "'{}'" : "'{bag: " + inYaml(lastBag_) + "}'"));
   ledgerOut_.publish(toText(ledgerText(done.calibration, !std::isfinite(done.result.figures.rms))));
   residualsOut_.publish(residualMarkers(done.result, residualScale_, prefix_ + "workpiece"));
   return id;
@@ -259,9 +255,9 @@ void CalibrationServer::compare(const measuring_machine::Compare::Request& reque
   response.json = compareJson(fit, compared.where);
   residualsOut_.publish(residualMarkers(fit, residualScale_, prefix_ + "workpiece"));
   response.message = "compared with calibration " + calibration.id;
-  add(response.message,
-      errorText(fit, std::isfinite(fit.before.rms) ? fit.before.rms : fit.before.rmsAngular));
-  add(response.message, lossText(*session));
+  addWords(response.message,
+           errorText(fit, std::isfinite(fit.before.rms) ? fit.before.rms : fit.before.rmsAngular));
+  addWords(response.message, lossText(*session));
 }
 
 template <typename Asked, typename Answer>
@@ -272,12 +268,11 @@ void CalibrationServer::diagnoseSession(const Asked& asked, Answer& answer) {
   job_.step("answering", 1.0);  // a search that was cut short is no verdict
   answer.json = diagnoseJson(diagnosis);
   answer.message = diagnosis.sentence;
-  visualization_msgs::Marker verdict = wordsIn(prefix_ + "workpiece", "verdict", inLines(diagnosis.sentence));
-  verdict.pose.position.z = 0.03;
-  verdictOut_.publish(verdict);
-  add(answer.message, lossText(*session));
-  add(answer.message, errorText(diagnosis));
-  add(answer.message, nextAfter(diagnosis, calibration));
+  verdictOut_.publish(
+      wordsIn(prefix_ + "workpiece", "verdict", inLines(diagnosis.sentence), {0.0, 0.0, 0.03}));
+  addWords(answer.message, lossText(*session));
+  addWords(answer.message, errorText(diagnosis));
+  addWords(answer.message, nextAfter(diagnosis, calibration));
 }
 
 /// What is changed or promoted by default is the candidate, else the active one: of another there is no next.
@@ -350,7 +345,7 @@ void CalibrationServer::verify(const measuring_machine::Verify::Request& request
   }
   for (const std::string& more : {axesText(found), whyNotFresh(calibration, *session), lossText(*session),
                                   keepAnswer(store_, calibration, *session, found)})
-    add(response.message, more);
+    addWords(response.message, more);
 }
 
 void CalibrationServer::cancel(measuring_machine::Cancel::Response& response) {

@@ -4,6 +4,7 @@
 
 #include "nodes/compensation_node.h"
 #include "ros_bridge/correction_messages.h"
+#include "ros_bridge/message_conversion.h"
 
 namespace mm {
 namespace {
@@ -29,25 +30,22 @@ measuring_machine::CompensationStatus CompensationNode::statusNow() {
   const bool silent = isSilent();
   status.calibration_id = active_.loaded ? active_.loaded->id : "";
   status.candidate_id = candidate_.loaded ? candidate_.loaded->id : "";
-  const auto add = [](std::string& message, const std::string& more) {
-    if (!more.empty()) message += (message.empty() ? "" : "; ") + more;
-  };
   if (silent)
-    add(status.message, "no joint states are received; is the axis driver running?");
+    addWords(status.message, "no joint states are received; is the axis driver running?");
   else if (!active_.loaded && pair_->warning.empty())
-    add(status.message, "no calibration is active; calibrate and promote one");
+    addWords(status.message, "no calibration is active; calibrate and promote one");
   else if (!active_.reason.empty())
-    add(status.message, "nothing is published: " + active_.reason);
+    addWords(status.message, "nothing is published: " + active_.reason);
   else if (!withheldSince_.empty())
-    add(status.message, "frames or contacts were withheld: " + withheldSince_);
+    addWords(status.message, "frames or contacts were withheld: " + withheldSince_);
   if (!stranger_.empty() && ros::WallTime::now() - strangerAt_ < ros::WallDuration(kNamed))
-    add(status.message, stranger_);
-  add(status.message, pair_->warning);
-  add(status.message, active_.note);
+    addWords(status.message, stranger_);
+  addWords(status.message, pair_->warning);
+  addWords(status.message, active_.note);
   status.extrapolating = status.extrapolating && !silent;
   status.publishing = !silent && active_.loaded && inputs_.complete() && active_.reason.empty();
-  if (candidate_.loaded) add(status.candidate_message, candidate_.reason);
-  add(status.candidate_message, pair_->candidateWarning);
+  if (candidate_.loaded) addWords(status.candidate_message, candidate_.reason);
+  addWords(status.candidate_message, pair_->candidateWarning);
   if (status.publishing) {
     MovingState state = active_.state;
     const Correction now = active_.loaded->contacts.apply(state);
@@ -57,7 +55,8 @@ measuring_machine::CompensationStatus CompensationNode::statusNow() {
       markersOut_.publish(correctionMarkers(now, prefix_ + "workpiece"));
     }
     if (now.pastUnknown)
-      add(status.message,
+      addWords(
+          status.message,
           "temperatures have not been received for long enough to evaluate effects with a time lag; sigma "
           "includes this uncertainty");
   }

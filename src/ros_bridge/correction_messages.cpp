@@ -52,8 +52,8 @@ visualization_msgs::MarkerArray correctionMarkers(const Correction& correction, 
   visualization_msgs::Marker words =
       wordsIn(frame, "correction in words",
               format("corrected - nominal: %.2f, %.2f, %.2f um (x 1000), sigma %.2f um", 1e6 * moved.x(),
-                     1e6 * moved.y(), 1e6 * moved.z(), 1e6 * correction.sigma));
-  words.pose.position = tf2::toMsg(Eigen::Vector3d(from + Eigen::Vector3d(0.0, 0.0, 6e-3)));
+                     1e6 * moved.y(), 1e6 * moved.z(), 1e6 * correction.sigma),
+              from + Eigen::Vector3d(0.0, 0.0, 6e-3));
   words.color = arrow.color;
   visualization_msgs::MarkerArray all;
   all.markers = {arrow, words};

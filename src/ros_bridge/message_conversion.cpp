@@ -50,6 +50,19 @@ std::vector<double> unlessAllNaN(const std::vector<double>& values) {
   return none ? std::vector<double>() : values;
 }
 
+/// What every measurement says: of which joints, with which tip, where, and what it met.
+template <typename Message>
+Message measuredMessage(const Observation& o, const Session& session) {
+  Message message;
+  message.header.frame_id = "workpiece";
+  message.name = allNames(session.machine.joints());
+  message.laser_reading = o.laserReading;
+  if (o.feature >= 0) message.feature = session.artifact.features.at(o.feature).name;
+  if (!session.placements.empty()) message.placement = session.placements.at(o.placement);
+  if (!session.artifact.styli.empty()) message.stylus = session.artifact.styli.at(o.stylus).name;
+  return message;
+}
+
 }  // namespace
 
 std::string topicOf(const std::string& name) {
@@ -67,6 +80,10 @@ std_msgs::String toText(std::string text) {
   std_msgs::String message;
   message.data = std::move(text);
   return message;
+}
+
+void addWords(std::string& text, const std::string& more) {
+  if (!more.empty()) text += (text.empty() ? "" : "; ") + more;
 }
 
 std::int64_t nanoseconds(const ros::Time& stamp) { return static_cast<std::int64_t>(stamp.toNSec()); }
@@ -162,17 +179,10 @@ Artifact fromMessage(const measuring_machine::Artifact& message) {
 }
 
 measuring_machine::ProbeContact toContactMessage(const Observation& contact, const Session& session) {
-  const Artifact& artifact = session.artifact;
-  measuring_machine::ProbeContact message;
-  message.header.frame_id = "workpiece";
-  message.name = allNames(session.machine.joints());
+  auto message = measuredMessage<measuring_machine::ProbeContact>(contact, session);
   message.position = contact.position;
   message.velocity = unlessAllNaN(contact.velocity);
   if (!contact.approach.hasNaN()) tf2::toMsg(contact.approach, message.approach);
-  message.laser_reading = contact.laserReading;
-  if (contact.feature >= 0) message.feature = artifact.features.at(contact.feature).name;
-  if (!session.placements.empty()) message.placement = session.placements.at(contact.placement);
-  if (!artifact.styli.empty()) message.stylus = artifact.styli.at(contact.stylus).name;
   return message;
 }
 
@@ -196,20 +206,14 @@ Observation fromMessage(const measuring_machine::ProbeContact& message, const Ma
 
 measuring_machine::ReferenceMeasurement toReferenceMessage(const Observation& reference,
                                                            const Session& session) {
-  measuring_machine::ReferenceMeasurement message;
-  message.header.frame_id = "workpiece";
-  message.name = allNames(session.machine.joints());
+  auto message = measuredMessage<measuring_machine::ReferenceMeasurement>(reference, session);
   message.joint_position = reference.position;
   message.joint_velocity = unlessAllNaN(reference.velocity);
-  message.laser_reading = reference.laserReading;
   for (int k = 0; k < 3; ++k) message.position[k] = reference.reference[k];
   message.deviation = unlessAllNaN(reference.deviation);
   message.deviation_std = unlessAllNaN(reference.deviationStd);
   message.length = reference.length;
-  if (reference.feature >= 0) message.feature = session.artifact.features.at(reference.feature).name;
   if (reference.setup >= 0) message.setup = session.setups.at(reference.setup);
-  if (!session.placements.empty()) message.placement = session.placements.at(reference.placement);
-  if (!session.artifact.styli.empty()) message.stylus = session.artifact.styli.at(reference.stylus).name;
   return message;
 }
 

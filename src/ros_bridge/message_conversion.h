@@ -27,6 +27,8 @@ std::string sensorOf(const std::string& topicEnd, const std::string& frameId);
 
 /// A text as the message of a topic.
 std_msgs::String toText(std::string text);
+/// What else is to be said, behind a semicolon; nothing where that is empty.
+void addWords(std::string& text, const std::string& more);
 
 /// Of a stamp, since the epoch.
 std::int64_t nanoseconds(const ros::Time& stamp);

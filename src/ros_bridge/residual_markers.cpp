@@ -55,10 +55,9 @@ void addScale(const std::string& frame, double scale, const Eigen::Vector3d& top
   bar.scale.x = 0.4e-3;  // m, width
   bar.color = colourOf(0.1, 0.6, 1.0);
   bar.points = {tf2::toMsg(at), tf2::toMsg(Eigen::Vector3d(at - Eigen::Vector3d(scale * length, 0.0, 0.0)))};
-  Marker words = wordsIn(frame, "scale in words", format("residuals: this is %g um", 1e6 * length));
-  words.pose.position = tf2::toMsg(Eigen::Vector3d(at + Eigen::Vector3d(0.0, 0.0, 2e-3)));
   all.markers.push_back(bar);
-  all.markers.push_back(words);
+  all.markers.push_back(wordsIn(frame, "scale in words", format("residuals: this is %g um", 1e6 * length),
+                                at + Eigen::Vector3d(0.0, 0.0, 2e-3)));
 }
 
 }  // namespace
@@ -82,8 +81,10 @@ Marker markerIn(const std::string& frame, const std::string& name, int type) {
   return m;
 }
 
-Marker wordsIn(const std::string& frame, const std::string& name, const std::string& text) {
+Marker wordsIn(const std::string& frame, const std::string& name, const std::string& text,
+               const Eigen::Vector3d& at) {
   Marker m = markerIn(frame, name, Marker::TEXT_VIEW_FACING);
+  m.pose.position = tf2::toMsg(at);
   m.text = text;
   m.scale.z = 2e-3;  // m, height of a letter
   m.color = colourOf(1.0, 1.0, 1.0);

@@ -11,9 +11,9 @@ namespace mm {
 std_msgs::ColorRGBA colourOf(double red, double green, double blue, double opaque = 1.0);
 /// A marker to fill. @param frame, name its frame and namespace. @param type of visualization_msgs/Marker.
 visualization_msgs::Marker markerIn(const std::string& frame, const std::string& name, int type);
-/// A line of words, 2 mm high, that faces the viewer.
-visualization_msgs::Marker wordsIn(const std::string& frame, const std::string& name,
-                                   const std::string& text);
+/// A line of words, 2 mm high, that faces the viewer. @param at m in the frame.
+visualization_msgs::Marker wordsIn(const std::string& frame, const std::string& name, const std::string& text,
+                                   const Eigen::Vector3d& at);
 
 /// Residuals for rviz: at every contact, position and deviation an arrow from where it is to where the
 /// machine found it (residualVector), as in the report; balls where the calibration found them, a dot where

@@ -38,10 +38,6 @@ std::int64_t stampIn(const OneOf& message) {
   return std::visit([](const auto& m) { return nanoseconds(m.header.stamp); }, message);
 }
 
-void addWords(std::string& text, const std::string& more) {
-  if (!more.empty()) text += (text.empty() ? "" : "; ") + more;
-}
-
 }  // namespace
 
 std::int64_t SessionCollector::stampOf(const ros::Time& stamp) {
@@ -197,8 +193,7 @@ void SessionCollector::fillTravel(std::vector<Row>& rows) const {
 }
 
 std::int64_t SessionCollector::startOf(const std::vector<Row>& rows) const {
-  const bool announced = artifactStamp_ && *artifactStamp_ <= rows.front().stamp;
-  if (announced) return *artifactStamp_;
+  if (artifactStamp_ && *artifactStamp_ <= rows.front().stamp) return *artifactStamp_;
   std::int64_t earliest = *earliest_;
   for (const Joint& joint : machine_->joints())
     if (const auto first = travel_.earliest(joint.name)) earliest = std::min(earliest, *first);
@@ -322,7 +317,7 @@ Session SessionCollector::build() const {
       return refuse("feature", features_.all()[o.feature], allNames(session.artifact.features));
     return styli[o.stylus] < 0 && refuse("stylus", styli_.all()[o.stylus], allNames(session.artifact.styli));
   };
-  rows.erase(std::remove_if(rows.begin(), rows.end(), unknown), rows.end());
+  eraseIf(rows, unknown);
   if (rows.empty()) throw empty();
   const std::int64_t start = startOf(rows);
   const bool lines = !importedFrom_.empty() &&
