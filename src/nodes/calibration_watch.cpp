@@ -33,11 +33,9 @@ CalibrationWatch::Link CalibrationWatch::look(const char* name) const {
   }
   if (link.id.empty()) return link;
   const fs::path target = store_.folder() / (link.id + ".yaml");
-  std::error_code failed;
+  std::error_code failed;  // then it is a time and a size that no file has
   link.changed = fs::last_write_time(target, failed);
-  if (failed) link.changed = {};
   link.size = fs::file_size(target, failed);
-  if (failed) link.size = 0;
   return link;
 }
 

@@ -330,6 +330,7 @@ void CompensationNode::correctTarget(const measuring_machine::CorrectTarget::Req
   if (!active_.loaded) throw InputError("no calibration is active; calibrate and promote one");
   if (owners_.anyNotHomed() && request.name.empty()) throw InputError(JointOwners::kUnhomed);
   MovingState state = active_.state;
+  inputs_.fill(active_.view, state);
   const std::vector<double> arrival = arrivalOf(request);
   if (request.name.empty()) {
     if (isSilent())
@@ -338,14 +339,11 @@ void CompensationNode::correctTarget(const measuring_machine::CorrectTarget::Req
           "start from");
     if (!inputs_.complete())
       throw InputError("the present readings are unknown; name joints and positions to start from");
-    inputs_.fill(active_.view, state);
   } else {
     measuring_machine::ProbeContact start;  // for its order of the joints and its messages
     start.name = request.name;
     start.position = request.position;
-    const std::vector<double> position = fromMessage(start, machine_).position;
-    inputs_.fill(active_.view, state);
-    state.position = position;
+    state.position = fromMessage(start, machine_).position;
     std::fill(state.travel.begin(), state.travel.end(), 0.0);
     state.sinceReversal.clear();
   }

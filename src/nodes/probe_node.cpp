@@ -1,9 +1,9 @@
 #include "nodes/probe_node.h"
 
-#include <algorithm>
 #include <cmath>
 #include <sstream>
 
+#include "base/erase_if.h"
 #include "base/error.h"
 #include "ros_bridge/message_conversion.h"
 #include "ros_bridge/node_support.h"
@@ -78,9 +78,7 @@ void ProbeNode::publishKnown() {
   const auto away = [&](const measuring_machine::ProbeLatch& latch) {
     return std::abs((now - latch.header.stamp).toSec());
   };
-  others_.erase(
-      std::remove_if(others_.begin(), others_.end(), [&](const auto& latch) { return away(latch) > kKept; }),
-      others_.end());
+  eraseIf(others_, [&](const measuring_machine::ProbeLatch& latch) { return away(latch) > kKept; });
   while (!trips_.empty()) {
     try {
       publish(trips_.front());

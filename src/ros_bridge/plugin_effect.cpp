@@ -19,8 +19,6 @@ constexpr double kLeastStep = 1e-6;  // of its scale, where it stands at a limit
 constexpr double kNearZero = 1e-3;   // of its scale: below it the step does not follow the parameter
 constexpr double kOfTheWay = 0.24;   // to a limit: four steps to either side stay within it
 
-using Shared = std::shared_ptr<const plugin::EffectType>;
-
 /// Passes on each line once.
 class Once {
  public:
@@ -38,7 +36,7 @@ class Once {
 
 /// Shared by all effects of one type.
 struct Origin {
-  Shared type;  // outlives its effects: their code is in its library
+  std::shared_ptr<const plugin::EffectType> type;  // outlives its effects: their code is in its library
   std::string name;
   std::shared_ptr<Once> trouble;
 };

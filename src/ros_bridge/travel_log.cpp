@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/erase_if.h"
 #include "ros_bridge/bounded_log.h"
 #include "ros_bridge/message_conversion.h"
 
@@ -98,9 +99,7 @@ std::string TravelLog::lacking() const {
 
 void TravelLog::dropAfter(std::int64_t stamp) {
   each([&](Track& track) {
-    track.motions.erase(std::remove_if(track.motions.begin(), track.motions.end(),
-                                       [&](const Motion& m) { return m.stamp >= stamp; }),
-                        track.motions.end());
+    eraseIf(track.motions, [&](const Motion& m) { return m.stamp >= stamp; });
     track.travel.forget();
     track.earliest = std::min(track.earliest, stamp);
   });
