@@ -1,10 +1,9 @@
-#include "ros_bridge/bag_origin.h"
-
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 #include <std_msgs/String.h>
 
 #include "base/read_file.h"
+#include "ros_bridge/bag_session.h"
 #include "ros_bridge/bag_writer.h"
 
 namespace mm {

@@ -48,6 +48,11 @@ Session readSessionBags(const std::vector<std::string>& bags, const ProgressCall
 /// there are several.
 std::string bagSpace(const std::string& bags, const std::string& wanted = {});
 
+/// How a bag came about, in words for people: "recorded on a machine", "imported from plate.csv" or
+/// "simulated"; "damaged" when its index cannot be read, as a recording that was killed leaves it.
+/// @throw UnreadableFile: the disk does not give it.
+std::string bagOrigin(const std::filesystem::path& file);
+
 /// Writes a prepared session, with what was set aside in it, as a bag that gives the same session back to the
 /// bit (times to 1 ns). Written under a temporary name, then renamed: the final name never holds half a bag.
 /// @param motion ascending in time, goes to /joint_states: it tells the direction of the last motion where a
