@@ -17,10 +17,8 @@ namespace {
 
 constexpr double kMicroradian = 1e-6;
 
-/// A small displacement and a small rotation, m and rad, in the axes of the fixed side of a joint.
-struct SmallMotion {
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero(), rotation = Eigen::Vector3d::Zero();
-};
+/// A small displacement, then a small rotation, m and rad, in the axes of the fixed side of a joint.
+using SmallMotion = Eigen::Matrix<double, 6, 1>;
 
 /// One error of a joint by its position: along (0 to 2: x, y, z) or about (3 to 5) an axis.
 struct Component {
@@ -37,10 +35,9 @@ struct ChainJoint {
   std::vector<Component> components;
 
   SmallMotion errors(const CommandedState& command) const {
-    SmallMotion errors;
+    SmallMotion errors = SmallMotion::Zero();
     for (const Component& component : components)
-      (component.coordinate < 3 ? errors.translation : errors.rotation)[component.coordinate % 3] +=
-          byDirection(command, name, component.positive, component.negative);
+      errors[component.coordinate] += byDirection(command, name, component.positive, component.negative);
     return errors;
   }
 };
@@ -140,7 +137,7 @@ class CsvInterpreter : public Interpreter {
       position[j] = commanded(command, chain_[j].name);
       errors.push_back(chain_[j].errors(command));
     }
-    const ChainPose ideal = pose(position, std::vector<SmallMotion>(joints));
+    const ChainPose ideal = pose(position, std::vector<SmallMotion>(joints, SmallMotion::Zero()));
     Eigen::VectorXd driven = position;
     constexpr int kRounds = 3;  // each leaves the square of the errors of the one before
     for (int round = 0; round < kRounds && ideal.directions.cols() > 0; ++round) {
@@ -173,7 +170,7 @@ class CsvInterpreter : public Interpreter {
     for (std::size_t j = 0; j < errors.size(); ++j) {
       const ChainJoint& joint = chain_[j];
       const Eigen::Vector3d travel = joint.direction * position[static_cast<Eigen::Index>(j)];
-      frame.translate(joint.origin).translate(errors[j].translation).rotate(rotationBy(errors[j].rotation));
+      frame.translate(joint.origin).translate(errors[j].head<3>()).rotate(rotationBy(errors[j].tail<3>()));
       if (joint.rotary) {
         frame.rotate(rotationBy(travel));
       } else {
