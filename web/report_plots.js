@@ -61,17 +61,16 @@ function drawAll() {
 
 window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", drawAll);
 let folded = []; // what was closed before printing: paper has everything
+function forPaper(begins) {
+  for (const box of folded) box.open = begins;
+  printing = begins;
+  plots.forEach((draw) => draw());
+}
 window.addEventListener("beforeprint", () => {
   folded = [...document.querySelectorAll("details:not([open])")];
-  for (const box of folded) box.open = true;
-  printing = true;
-  plots.forEach((draw) => draw());
+  forPaper(true);
 });
-window.addEventListener("afterprint", () => {
-  for (const box of folded) box.open = false;
-  printing = false;
-  plots.forEach((draw) => draw());
-});
+window.addEventListener("afterprint", () => forPaper(false));
 
 const titled = (text) => ({ text: plain(text), standoff: 6, font: { size: 12 } });
 

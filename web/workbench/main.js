@@ -63,7 +63,6 @@ function Page() {
   const [theme, chooseTheme] = useState(localStorage.getItem("mm-theme") || "");
   useEffect(() => {
     const go = () => { setView(viewOf()); scrollTo(0, 0); };
-    addEventListener("hashchange", go);
     let escaped = 0;
     const key = (e) => {
       if (e.key === "Escape") { if (performance.now() - escaped < 600 && state.live && state.live.machine) act("stop"); escaped = performance.now(); setHelp(false); return; }
@@ -72,14 +71,13 @@ function Page() {
       if (kViews[at]) location.hash = kViews[at][0];
       else if (e.key === "?") setHelp((v) => !v);
     };
-    addEventListener("keydown", key);
     const over = (e) => { if ([...e.dataTransfer.types].includes("Files")) { e.preventDefault(); setDropping(true); } };
     const leave = (e) => { if (!e.relatedTarget) setDropping(false); };
     const drop = (e) => { e.preventDefault(); setDropping(false); if (e.dataTransfer.files[0]) sendFile(e.dataTransfer.files[0]); };
-    addEventListener("dragover", over);
-    addEventListener("dragleave", leave);
-    addEventListener("drop", drop);
-    return () => { removeEventListener("hashchange", go); removeEventListener("keydown", key); removeEventListener("dragover", over); removeEventListener("dragleave", leave); removeEventListener("drop", drop); };
+    /** @type {[string, EventListener][]} */
+    const heard = [["hashchange", go], ["keydown", key], ["dragover", over], ["dragleave", leave], ["drop", drop]];
+    for (const [event, listener] of heard) addEventListener(event, listener);
+    return () => { for (const [event, listener] of heard) removeEventListener(event, listener); };
   }, []);
   useEffect(() => { document.title = kViews.find(([id]) => id === view)[1] + " – workbench"; }, [view]);
   const View = kViews.find(([id]) => id === view)[2];

@@ -25,8 +25,7 @@ export function useTheme() {
 
 export function colours() {
   const style = getComputedStyle(document.documentElement);
-  const of = (name) => style.getPropertyValue("--" + name).trim();
-  return { ink: of("ink"), soft: of("soft"), line: of("line"), card: of("card"), accent: of("accent"), warm: of("warm"), good: of("good"), bar: of("bar"), paper: of("paper"), blue: of("blue") };
+  return Object.fromEntries(["ink", "soft", "line", "card", "accent", "warm", "good", "bar", "paper", "blue"].map((name) => [name, style.getPropertyValue("--" + name).trim()]));
 }
 
 export const Tile = ({ label, value, note }) => h("div", { class: "tile" }, h("div", { class: "label" }, label), h("div", { class: "value" }, value), note ? h("div", { class: "label" }, note) : null);

@@ -118,19 +118,13 @@ function take(message) {
   state.live = news;
   state.frames += 1;
   state.sequence = news.sequence;
-  for (const end of news.ended) {
-    const wait = ends.get(end.number);
-    if (wait) {
-      ends.delete(end.number);
-      wait(end);
-    }
+  for (const [number, wait] of ends) {
+    const end = news.ended.find((one) => one.number === number);
+    if (!end && (number > news.asked || news.pending.includes(number))) continue;
+    ends.delete(number);
+    // without an end: it came while this page was not connected, and is not told any more
+    wait(end || { ok: false, message: "the result was not received; see the log in the view History" });
   }
-  // whose end came while this page was not connected, and is not told any more
-  for (const [number, wait] of ends)
-    if (number <= news.asked && !news.pending.includes(number)) {
-      ends.delete(number);
-      wait({ ok: false, message: "the result was not received; see the log in the view History" });
-    }
   for (const name of documents.keys()) look(name);
   changed();
 }
