@@ -15,6 +15,7 @@
 #include "import/name_reader.h"
 #include "import/table_remarks.h"
 #include "import/whole_table.h"
+#include "machine/joint_units.h"
 
 namespace mm {
 namespace {
@@ -219,10 +220,8 @@ class TableUnderstander {
 
   void unclearSign(const Asked& asked, const Meaning& meaning) {
     const Joint& joint = machine_.joints()[meaning.index];
-    const std::string of = joint.name + "_" +
-                           (asked.unit                         ? asked.unit->symbol
-                            : joint.kind == JointKind::kLinear ? "um"
-                                                               : "arcsec");
+    const std::string of =
+        joint.name + "_" + (asked.unit ? asked.unit->symbol : std::string(errorUnit(joint).symbol));
     faults_.add(asked.column,
                 "is an error or a difference, but whether it is indicated minus true (VIM) or actual minus "
                 "target (ISO 230-2) is not stated",

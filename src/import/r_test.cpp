@@ -2,12 +2,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/dense.h"
 #include "base/format.h"
 #include "base/text.h"
 #include "base/units.h"
 #include "import/record_table.h"
 #include "machine/joint_units.h"
+#include "machine/linear_inverse.h"
 
 namespace mm {
 namespace {
@@ -89,10 +89,7 @@ class RTestReader {
   /// The readings at which the tip would have been on the ball: moved back by what was read, by the linear
   /// joints.
   static void shift(const Machine& machine, const Eigen::Vector3d& moved, Observation& o) {
-    Eigen::MatrixXd linear = machine.jacobian(o.position.data(), kNotMeasured).topRows<3>();
-    for (int j = 0; j < machine.jointCount(); ++j)
-      if (machine.joints()[j].kind == JointKind::kRotary) linear.col(j).setZero();
-    const Eigen::VectorXd by = shortestLeastSquares(linear, moved);
+    const Eigen::VectorXd by = linearMotion(machine, o.position.data(), kNotMeasured, moved).change;
     for (int j = 0; j < machine.jointCount(); ++j) o.position[j] -= by[j];
   }
 

@@ -222,17 +222,17 @@ class TravelMaker {
     for (auto& [key, rows] : all) {
       std::vector<Stop> stops = stopsOf(rows, j);
       const int usual = usualCount(stops);
-      bool overrun = false;
-      for (const Stop& s : stops)
-        overrun |= s.before * s.after < 0.0 && s.oneTarget && s.count() >= 2 * usual;
+      const auto turned = [&](const Stop& s) {
+        return s.before * s.after < 0.0 && s.oneTarget && s.count() >= 2 * usual;
+      };
+      const bool overrun = std::any_of(stops.begin(), stops.end(), turned);
       const bool up = oneSided(stops, 1.0), down = oneSided(stops, -1.0);
       for (std::size_t i = 0; i < stops.size(); ++i) {
         Stop& s = stops[i];
         double before = i > 0 ? s.before : overrun ? s.after : moved[rows.front()];
         if (i > 0 && ((up && s.before < 0.0) || (down && s.before > 0.0))) before = 0.0;
-        const bool turned = i > 0 && s.before * s.after < 0.0 && s.oneTarget && s.count() >= 2 * usual;
         for (int k = 0; k < s.count(); ++k)
-          give(*s.rows[static_cast<std::size_t>(k)], j, turned && k >= usual ? s.after : before);
+          give(*s.rows[static_cast<std::size_t>(k)], j, k >= usual && turned(s) ? s.after : before);
       }
     }
   }

@@ -86,9 +86,8 @@ class TableReader {
     if (!form_.hasAny({CsvRole::kReference, CsvRole::kDeviation, CsvRole::kMeasured}))
       fail(
           "no column holds a measurement; add 'feature' (balls that were touched), 'reference_x_mm' … (true "
-          "positions), 'deviation_" +
-          session_.machine.joints().front().name + "_" +
-          (session_.machine.joints().front().kind == JointKind::kLinear ? "um" : "arcsec") +
+          "positions), '" +
+          columnName(CsvRole::kDeviation, 0, "", session_.machine) +
           "' … (true minus indicated) or 'length_mm'");
   }
 

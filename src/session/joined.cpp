@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <set>
 
 #include "base/error.h"
@@ -165,15 +166,13 @@ std::vector<double> inOrder(std::vector<Session>& sessions, std::string& warning
 
 Session joined(std::vector<Session> sessions) {
   if (sessions.size() == 1) return std::move(sessions.front());
-  std::vector<std::pair<std::string, std::string>> seen;  // hash, source
+  std::map<std::string, std::string> seen;  // hash -> source
   for (const Session& s : sessions)
     for (const Recording& part : partsOf(s)) {
-      const auto same =
-          std::find_if(seen.begin(), seen.end(), [&](const auto& p) { return p.first == part.hash; });
-      if (same != seen.end())
+      const auto [same, isNew] = seen.emplace(part.hash, part.source);
+      if (!isNew)
         throw InputError(part.source + ": is the same session as " + same->second +
                          "; give each session once");
-      seen.emplace_back(part.hash, part.source);
     }
   std::string warning;
   const std::vector<double> begins = inOrder(sessions, warning);

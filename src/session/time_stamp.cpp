@@ -56,16 +56,6 @@ class Scanner {
   std::size_t at_ = 0;
 };
 
-/// Days from 1970-01-01 in the Gregorian calendar; false when there is no such day.
-bool daysOf(int year, int month, int day, std::int64_t& days) {
-  std::tm date{};
-  date.tm_year = year - 1900;
-  date.tm_mon = month - 1;
-  date.tm_mday = day;
-  days = timegm(&date) / 86400;  // makes a day that there is of one that there is not: of 31.2. the 3.3.
-  return year >= 1970 && year <= 2105 && date.tm_mon == month - 1 && date.tm_mday == day;
-}
-
 bool clock(Scanner& s, std::int64_t& ns) {
   int hour = 0, minute = 0, second = 0;
   std::int64_t part = 0;
@@ -94,8 +84,14 @@ bool zone(Scanner& s, std::int64_t& ns) {
   return true;
 }
 
-/// What follows the day: a time, a zone.
-std::optional<std::int64_t> afterDay(Scanner& s, std::int64_t days) {
+/// A day of the Gregorian calendar, and what follows it: a time, a zone. Nothing when there is no such day.
+std::optional<std::int64_t> stampOf(int year, int month, int day, Scanner& s) {
+  std::tm date{};
+  date.tm_year = year - 1900;
+  date.tm_mon = month - 1;
+  date.tm_mday = day;
+  const std::int64_t midnight = timegm(&date);  // makes of a day that there is none, 31.2., another: 3.3.
+  if (year < 1970 || year > 2105 || date.tm_mon != month - 1 || date.tm_mday != day) return std::nullopt;
   std::int64_t ns = 0, off = 0;
   if (!s.end()) {
     if (!s.take('T') && !s.take('t') && !s.take(',') && s.peek() != ' ') return std::nullopt;
@@ -104,7 +100,7 @@ std::optional<std::int64_t> afterDay(Scanner& s, std::int64_t days) {
     s.blanks();
   }
   if (!s.end()) return std::nullopt;
-  return days * 86400 * kNanoseconds + ns - off;
+  return midnight * kNanoseconds + ns - off;
 }
 
 }  // namespace
@@ -115,9 +111,7 @@ std::optional<std::int64_t> parseSlashed(std::string_view text, bool monthFirst)
   if (!s.number(1, 2, first) || !s.take('/') || !s.number(1, 2, second) || !s.take('/') ||
       !s.number(4, 4, year))
     return std::nullopt;
-  std::int64_t days = 0;
-  if (!daysOf(year, monthFirst ? first : second, monthFirst ? second : first, days)) return std::nullopt;
-  return afterDay(s, days);
+  return monthFirst ? stampOf(year, first, second, s) : stampOf(year, second, first, s);
 }
 
 std::optional<std::int64_t> parseCalendar(std::string_view text) {
@@ -129,9 +123,7 @@ std::optional<std::int64_t> parseCalendar(std::string_view text) {
   if (!(yearFirst ? mark == '-' || mark == '/' : mark == '.')) return std::nullopt;
   if (!s.take(mark) || !s.number(1, 2, second) || !s.take(mark) || !s.number(1, 4, third))
     return std::nullopt;
-  std::int64_t days = 0;
-  if (!daysOf(yearFirst ? first : third, second, yearFirst ? third : first, days)) return std::nullopt;
-  return afterDay(s, days);
+  return yearFirst ? stampOf(first, second, third, s) : stampOf(third, second, first, s);
 }
 
 std::optional<std::int64_t> parseClock(std::string_view text) {
