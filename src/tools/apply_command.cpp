@@ -61,8 +61,7 @@ void runApply(ApplyOptions& options) {
   if (options.csv.empty())
     throw InputError("nothing to correct: name a CSV of states, or give --table for a grid");
   const bool toStandardOutput = options.output == "-";
-  options.files.input(options.csv);
-  options.files.input(options.calibration);
+  options.files.input({options.csv, options.calibration});
   if (!toStandardOutput) options.files.output("-o", options.output, FileKind::kStates);
   options.files.check();
   const Calibration calibration = chosenCalibration(options);

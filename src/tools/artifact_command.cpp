@@ -51,8 +51,7 @@ std::string tableOf(const CalibratedBy& by) {
   return text;
 }
 
-void runArtifact(const ArtifactCommand& given) {
-  ArtifactCommand c = given;
+void runArtifact(ArtifactCommand& c) {
   c.files.input(c.calibration);
   c.files.output("-o", c.output, FileKind::kArtifact);
   c.files.check();

@@ -47,10 +47,7 @@ void runImport(ImportOptions& options) {
     throw InputError("-o is missing; name the session's bag, or look at the file first with --preview");
   if (!options.output.empty() && options.preview)
     throw InputError("--preview writes nothing; omit -o, or omit --preview");
-  options.files.input(options.request.file);
-  options.files.input(options.request.mapping);
-  options.files.input(options.artifact);
-  options.files.input(options.machine);
+  options.files.input({options.request.file, options.request.mapping, options.artifact, options.machine});
   if (!options.preview)
     options.files.bag("-o", options.output,
                       "imported from " + std::filesystem::path(options.request.file).filename().string());

@@ -164,8 +164,7 @@ void runNewPlan(PlanOptions& o) {
                      ": give --artifact, --balls, --test or --positions");
   if (o.test.empty() && (size.runs > 0 || size.hours > 0.0 || size.everyMin > 0.0))
     throw InputError("--runs, --hours and --every-min are for --test");
-  o.files.input(o.machine);
-  o.files.input(o.artifact);
+  o.files.input({o.machine, o.artifact});
   o.files.output("-o", o.output, FileKind::kPlan);
   o.files.check();
   const Machine machine = Machine::load(o.machine);

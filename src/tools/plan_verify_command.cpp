@@ -35,8 +35,7 @@ struct PlanVerifyOptions {
 };
 
 void declareOutputs(PlanVerifyOptions& o) {
-  o.files.input(o.plan);
-  o.files.input(o.calibration);
+  o.files.input({o.plan, o.calibration});
   o.files.output("-o", o.output, FileKind::kPlan);
   if (!o.blind &&
       (o.blocks->count() > 0 || o.seed->count() > 0 || !o.switchOn.empty() || !o.switchOff.empty()))

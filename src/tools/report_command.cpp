@@ -24,8 +24,7 @@ struct ReportCommand {
 
 void runReport(ReportCommand& c) {
   c.files.input(c.bags.paths);
-  c.files.input(c.calibration);
-  c.files.input(c.plotly);
+  c.files.input({c.calibration, c.plotly});
   c.files.input(c.curves);
   c.files.output("-o", c.output, FileKind::kPage);
   c.files.check();

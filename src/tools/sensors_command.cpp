@@ -145,8 +145,7 @@ void printText(const SensorSelection& selection, const SensorCandidates& candida
 }
 
 void runSensors(SensorsOptions& options) {
-  options.files.input(options.csv);
-  options.files.input(options.positions);
+  options.files.input({options.csv, options.positions});
   options.files.output("--picture", options.picture, FileKind::kPicture);
   options.files.check();
   const SensorCandidates candidates = readSensorCandidates(options.csv, options.target, options.space);

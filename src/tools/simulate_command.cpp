@@ -28,10 +28,7 @@ struct SimulateOptions {
 };
 
 void runSimulate(SimulateOptions& options) {
-  options.files.input(options.plan);
-  options.files.input(options.machine);
-  options.files.input(options.correction);
-  options.files.input(options.key);
+  options.files.input({options.plan, options.machine, options.correction, options.key});
   options.files.bag("-o", options.output, "simulated");
   options.files.output("--csv", options.csv, FileKind::kTable);
   options.files.output("--truth", options.truth, FileKind::kTruth);

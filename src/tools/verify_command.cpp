@@ -50,8 +50,7 @@ Session freshSession(const VerifyCommand& c, const Calibration& calibration) {
 int runBlind(VerifyCommand& c) {
   if (c.loaded || !c.exported.empty() || c.rollBack)
     throw InputError("--blind judges both states of the controller: omit --loaded, --export and --roll-back");
-  c.files.input(c.blind);
-  c.files.input(c.calibration);
+  c.files.input({c.blind, c.calibration});
   c.files.output("-o", c.page, FileKind::kPage);
   c.files.check();
   BlindReport report;

@@ -6,11 +6,6 @@
 #include "workbench/sent_yaml.h"
 
 namespace mm {
-namespace {
-
-constexpr std::chrono::milliseconds kWatch{50};  // between two looks
-
-}  // namespace
 
 /// A motion from before its first order until nothing of it moves any more. While it lives the watcher stops
 /// a machine whose arming has ended: an order may have been on its way when it was stopped.
@@ -45,6 +40,7 @@ std::string Bench::release() {
 
 /// A machine that is left alone is stopped whether or not anybody asks for the state.
 void Bench::watch() {
+  constexpr std::chrono::milliseconds kWatch{50};  // between two looks
   std::unique_lock<std::mutex> lock(mutex_);
   while (!over_) {
     changed_.wait_for(lock, kWatch, [this] { return over_; });
