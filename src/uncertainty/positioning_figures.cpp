@@ -25,8 +25,8 @@ double widthOf(const Range& range) { return range.any() ? range.size() : kNotMea
 double highestOf(const Range& range) { return range.any() ? range.upper : kNotMeasured; }
 
 /// A, R and E of the directions of approach that are asked. @param spread what else belongs to R.
-PositioningFigures::OneWay figuresOf(const std::vector<PositioningTarget>& targets,
-                                     std::initializer_list<bool> directions, Range spread) {
+ApproachFigures figuresOf(const std::vector<PositioningTarget>& targets,
+                          std::initializer_list<bool> directions, Range spread) {
   Range means, edges;
   bool repeated = true;
   for (const PositioningTarget& t : targets)
@@ -38,7 +38,7 @@ PositioningFigures::OneWay figuresOf(const std::vector<PositioningTarget>& targe
       spread.add(4.0 * s);
       repeated = repeated && (forward ? t.forward : t.backward) != 1;
     }
-  PositioningFigures::OneWay out;
+  ApproachFigures out;
   out.systematic = widthOf(means);
   if (!repeated) return out;  // a single run has no standard deviation
   out.accuracy = widthOf(edges);
@@ -67,10 +67,7 @@ PositioningFigures figuresOf(const std::vector<PositioningTarget>& targets) {
     f.reversal = reversal;
     f.meanReversal = reversals / bidirectional;
   }
-  const PositioningFigures::OneWay both = figuresOf(targets, {true, false}, spread);
-  f.accuracy = both.accuracy;
-  f.repeatability = both.repeatability;
-  f.systematic = both.systematic;
+  static_cast<ApproachFigures&>(f) = figuresOf(targets, {true, false}, spread);
   return f;
 }
 

@@ -18,22 +18,19 @@ struct PositioningTarget {
   int forward = 0, backward = 0;                             // runs
 };
 
-/// Figures of ISO 230-2:2014, section 3, with its coverage factor of 2, in um (arcsec). NaN: there are too
-/// few runs.
-struct PositioningFigures {
-  /// One direction of approach: of the means and standard deviations of its runs alone.
-  struct OneWay {
-    double accuracy = kNotMeasured;       // largest of mean + 2 s, minus smallest of mean - 2 s
-    double repeatability = kNotMeasured;  // largest of 4 s
-    double systematic = kNotMeasured;     // range of the means
-  };
-  OneWay forward, backward;        // A, R and E with an arrow up or down
-  double accuracy = kNotMeasured;  // A, bi-directional accuracy of positioning
-  double repeatability =
-      kNotMeasured;                  // R, bi-directional: largest of 2 s + 2 s + |B|, 4 s and 4 s at a target
-  double systematic = kNotMeasured;  // E, bi-directional systematic deviation
-  double meanRange = kNotMeasured;   // M, range of the mean bi-directional deviation
-  double reversal = kNotMeasured;    // B, largest |reversal error| of a target
+/// A, R and E of one direction of approach or of both, from the means and standard deviations of the runs.
+struct ApproachFigures {
+  double accuracy = kNotMeasured;       // largest of mean + 2 s, minus smallest of mean - 2 s
+  double repeatability = kNotMeasured;  // largest of 4 s; of both also of 2 s + 2 s + |B| at a target
+  double systematic = kNotMeasured;     // range of the means
+};
+
+/// Figures of ISO 230-2:2014, section 3, with its coverage factor of 2, in um (arcsec): bi-directional A, R
+/// and E, and what else there is. NaN: there are too few runs.
+struct PositioningFigures : ApproachFigures {
+  ApproachFigures forward, backward;   // A, R and E with an arrow up or down
+  double meanRange = kNotMeasured;     // M, range of the mean bi-directional deviation
+  double reversal = kNotMeasured;      // B, largest |reversal error| of a target
   double meanReversal = kNotMeasured;  // mean of the reversal errors, with sign: forward minus backward
 };
 
