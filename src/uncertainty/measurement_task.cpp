@@ -1,6 +1,5 @@
 #include "uncertainty/measurement_task.h"
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <functional>
 
@@ -225,7 +224,7 @@ MeasurementTask taskOf(const TaskReader& read, const TaskOptions& options, const
 std::unique_ptr<MeasurementTask> makeTask(const std::string& text, const TaskOptions& options,
                                           const Model& model) {
   auto task = std::make_unique<MeasurementTask>(taskOf(TaskReader(text, options), options, model));
-  task->text_ = text;
+  task->text = text;
   return task;
 }
 

@@ -32,40 +32,18 @@ struct TaskQuantity {
 };
 
 /// Something that is measured: where it is touched, and how its figures follow from the points found.
-/// Immutable.
-class MeasurementTask {
- public:
+struct MeasurementTask {
   using Places = std::vector<Eigen::Vector3d>;
-  using Figures = std::function<void(const Places& measured, double* values)>;
   using Test = std::function<bool(const Places& measured)>;
 
-  /// @param figures, test see evaluate, passes; no test: the task has no limits of its own.
-  MeasurementTask(std::vector<TaskPoint> points, std::vector<TaskQuantity> quantities, Figures figures,
-                  Test test = {})
-      : points_(std::move(points)),
-        quantities_(std::move(quantities)),
-        figures_(std::move(figures)),
-        test_(std::move(test)) {}
-
-  const std::string& text() const { return text_; }                            ///< as it was asked
-  const std::vector<TaskPoint>& points() const { return points_; }             ///< in the order of measuring
-  const std::vector<TaskQuantity>& quantities() const { return quantities_; }  ///< the first is the headline
+  std::vector<TaskPoint> points;         // in the order of measuring
+  std::vector<TaskQuantity> quantities;  // the first is the headline
   /// @param measured one a point, m, workpiece. @param values one a quantity, m.
-  void evaluate(const Places& measured, double* values) const { figures_(measured, values); }
-  /// Whether everything that the task tests is within what is permitted, all at once; nothing: no test has
+  std::function<void(const Places& measured, double* values)> figures;
+  /// Whether everything that the task tests is within what is permitted, all at once; empty: no test has
   /// limits of its own.
-  std::optional<bool> passes(const Places& measured) const {
-    return test_ ? std::optional<bool>(test_(measured)) : std::nullopt;
-  }
-
- private:
-  friend std::unique_ptr<MeasurementTask> makeTask(const std::string& text, const struct TaskOptions& options,
-                                                   const Model& model);
-  std::string text_;
-  std::vector<TaskPoint> points_;
-  std::vector<TaskQuantity> quantities_;
-  Figures figures_;
-  Test test_;
+  Test passes = {};
+  std::string text = {};  // as it was asked
 };
 
 struct TaskOptions {

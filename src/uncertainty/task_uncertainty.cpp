@@ -5,9 +5,9 @@
 
 #include "base/cancel_scope.h"
 #include "base/error.h"
+#include "base/names_of.h"
 #include "base/nearest_name.h"
 #include "base/parallel.h"
-#include "base/units.h"
 
 namespace mm {
 namespace {
@@ -40,9 +40,9 @@ BatchFigure figureOf(std::vector<double> values, double nominal) {
 /// Runs trials of one stream of random numbers. @param only as VirtualMachine::draw.
 Batch runBatch(const MeasurementTask& task, const VirtualMachine& machine, std::uint64_t seed,
                const std::string& name, int only, std::size_t trials) {
-  const std::size_t quantities = task.quantities().size();
+  const std::size_t quantities = task.quantities.size();
   std::vector<std::vector<double>> values(quantities, std::vector<double>(trials));
-  std::vector<char> passed(trials, 0), limited(trials, 0);
+  std::vector<char> passed(trials, 0);
   parallelFor(partsOf(trials, kPart), [&](std::size_t part) {
     CancelScope::check();
     const Part mine = partOf(trials, kPart, part);
@@ -52,21 +52,17 @@ Batch runBatch(const MeasurementTask& task, const VirtualMachine& machine, std::
     std::vector<double> found(quantities);
     for (std::size_t t = mine.first; t < mine.end; ++t) {
       machine.draw(random, only, work, errors);
-      for (std::size_t i = 0; i < errors.size(); ++i) errors[i] += task.points()[i].place;
-      task.evaluate(errors, found.data());
-      const std::optional<bool> passes = task.passes(errors);
-      limited[t] = passes.has_value();
-      passed[t] = passes.value_or(false);
+      for (std::size_t i = 0; i < errors.size(); ++i) errors[i] += task.points[i].place;
+      task.figures(errors, found.data());
+      passed[t] = task.passes && task.passes(errors);
       for (std::size_t q = 0; q < quantities; ++q) values[q][t] = found[q];
     }
   });
   Batch batch;
   for (std::size_t q = 0; q < quantities; ++q)
-    batch.figures.push_back(figureOf(std::move(values[q]), task.quantities()[q].nominal));
-  const auto countOf = [](const std::vector<char>& flags) {
-    return static_cast<double>(std::count(flags.begin(), flags.end(), 1));
-  };
-  batch.passes = countOf(limited) > 0.0 ? countOf(passed) / countOf(limited) : kNotMeasured;
+    batch.figures.push_back(figureOf(std::move(values[q]), task.quantities[q].nominal));
+  const double passes = std::count(passed.begin(), passed.end(), 1);
+  batch.passes = task.passes ? passes / trials : kNotMeasured;
   return batch;
 }
 
@@ -96,21 +92,20 @@ bool settled(const std::vector<Batch>& batches, std::size_t headline, int digits
 
 /// Of a position, the coordinate that is known worst; of another task its first figure.
 std::size_t worstCoordinate(const MeasurementTask& task, const std::vector<Batch>& batches) {
-  if (task.quantities().front().name != "x") return 0;
+  if (task.quantities.front().name != "x") return 0;
   const auto variance = [&](std::size_t q) {
     double sum = 0.0;
     for (const Batch& b : batches) sum += b.figures[q][kVariance];
     return sum;
   };
   std::size_t worst = 0;
-  for (std::size_t q = 1; q < task.quantities().size(); ++q)
+  for (std::size_t q = 1; q < task.quantities.size(); ++q)
     if (variance(q) > variance(worst)) worst = q;
   return worst;
 }
 
 std::size_t headlineOf(const MeasurementTask& task, const std::string& name) {
-  std::vector<std::string> names;
-  for (const TaskQuantity& q : task.quantities()) names.push_back(q.name);
+  const std::vector<std::string> names = allNames(task.quantities);
   const auto at = std::find(names.begin(), names.end(), name);
   if (at == names.end())
     throw InputError("--quantity: the task has no '" + name + "'" + didYouMean(name, names) + "; it gives " +
@@ -120,7 +115,7 @@ std::size_t headlineOf(const MeasurementTask& task, const std::string& name) {
 
 void addBudgets(const MeasurementTask& task, const VirtualMachine& machine, std::uint64_t seed,
                 TaskUncertainty& result) {
-  const std::size_t trials = task.points().size() > 60 ? kAlone / 5 : kAlone;
+  const std::size_t trials = task.points.size() > 60 ? kAlone / 5 : kAlone;
   for (std::size_t s = 0; s < machine.sources().size(); ++s) {
     const Batch alone = runBatch(task, machine, seed, "alone " + std::to_string(s), s, trials);
     for (std::size_t q = 0; q < alone.figures.size(); ++q)
@@ -152,7 +147,7 @@ double quantileOf(const std::vector<double>& sorted, double share) {
 TaskUncertainty taskUncertainty(const MeasurementTask& task, const VirtualMachine& machine,
                                 const MonteCarloOptions& options) {
   TaskUncertainty result;
-  result.task = task.text();
+  result.task = task.text;
   result.seed = options.seed;
   result.outside = machine.outside();
   result.notes = machine.notes();
@@ -177,18 +172,18 @@ TaskUncertainty taskUncertainty(const MeasurementTask& task, const VirtualMachin
       tell(std::min(0.9, static_cast<double>(result.trials) / options.most));
     }
   }
-  for (std::size_t q = 0; q < task.quantities().size(); ++q) {
-    QuantityUncertainty one;
-    one.quantity = task.quantities()[q];
-    const double share = 1.0 / batches.size(), nominal = one.quantity.nominal;
+  for (std::size_t q = 0; q < task.quantities.size(); ++q) {
+    const TaskQuantity& quantity = task.quantities[q];
+    const double share = 1.0 / batches.size(), nominal = quantity.nominal;
     const BatchFigure offset(nominal, 0.0, nominal, nominal);
     BatchFigure figure = BatchFigure::Zero();
     for (const Batch& b : batches) figure += share * (b.figures[q] - offset);
-    one.mean = nominal + figure[kMean];
-    one.std = std::sqrt(figure[kVariance]);
-    one.lower = nominal + figure[kLower];
-    one.upper = nominal + figure[kUpper];
-    result.quantities.push_back(std::move(one));
+    result.quantities.push_back({quantity,
+                                 nominal + figure[kMean],
+                                 std::sqrt(figure[kVariance]),
+                                 nominal + figure[kLower],
+                                 nominal + figure[kUpper],
+                                 {}});
   }
   if (options.trials > 0 && options.quantity.empty()) result.headline = worstCoordinate(task, batches);
   result.passes = 0.0;

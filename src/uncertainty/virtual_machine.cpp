@@ -1,12 +1,9 @@
 #include "uncertainty/virtual_machine.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "base/distributions.h"
-#include "base/error.h"
-#include "base/units.h"
 #include "estimation/drift.h"
 
 namespace mm {

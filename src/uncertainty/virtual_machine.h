@@ -84,10 +84,9 @@ class VirtualMachine {
   enum class Cause { kParameters, kDrift, kRemainder, kProbe, kCommon };
   struct Source {
     Cause cause;
-    std::vector<int> parameters;  // of the effect
     double std = 0.0;             // m, 1 or K, by the cause
+    Eigen::Matrix3Xd along = {};  // by point: of a drift (1 or m/rad), of what is common to all (m/K, …)
     double tau = 0.0;             // s, of a drift
-    Eigen::Matrix3Xd along;       // by point: of a drift (1 or m/rad), of what is common to all (m/K, …)
     bool smooth = false;          // of a drift: Matern 3/2, else an Ornstein-Uhlenbeck process
   };
   struct Point {

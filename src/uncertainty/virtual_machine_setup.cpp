@@ -1,5 +1,4 @@
 // What a VirtualMachine takes from the calibration before the first draw.
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -7,6 +6,7 @@
 #include "base/dense.h"
 #include "base/error.h"
 #include "base/format.h"
+#include "base/names_of.h"
 #include "base/nearest_name.h"
 #include "base/units.h"
 #include "effects/effect_words.h"
@@ -47,8 +47,7 @@ Compensator::Options optionsOf(const TaskConditions& conditions) {
 
 int jointNamed(const std::string& name, const Domain& domain, const char* option) {
   const int j = domain.findJoint(name);
-  std::vector<std::string> names;
-  for (const Joint& joint : domain.joints) names.push_back(joint.name);
+  const std::vector<std::string> names = allNames(domain.joints);
   if (j < 0)
     throw InputError(std::string(option) + ": '" + name + "' is not an axis of this machine" +
                      didYouMean(name, names) + "; it has " + listOf(names));
@@ -76,16 +75,12 @@ VirtualMachine::VirtualMachine(const Calibration& calibration, const Measurement
   if (conditions.artifactScale > 0.0) {
     const Domain& d = compensator_.model().domain();
     const Eigen::Vector3d middle = 0.5 * (d.tipLower + d.tipUpper);
-    add("scale of the artifact",
-        {Cause::kCommon, {}, conditions.artifactScale, 0.0, byPoint([&](const Point& point) {
-           return Eigen::Vector3d(point.place - middle);
-         })});
+    const auto fromMiddle = [&](const Point& point) { return Eigen::Vector3d(point.place - middle); };
+    add("scale of the artifact", {Cause::kCommon, conditions.artifactScale, byPoint(fromMiddle)});
   }
+  const auto normal = [](const Point& point) { return point.normal; };
   if (conditions.artifactRadius > 0.0)
-    add("radius of the reference ball",
-        {Cause::kCommon, {}, conditions.artifactRadius, 0.0, byPoint([](const Point& point) {
-           return point.normal;
-         })});
+    add("radius of the reference ball", {Cause::kCommon, conditions.artifactRadius, byPoint(normal)});
   addTemperatures(conditions);
 }
 
@@ -123,7 +118,7 @@ void VirtualMachine::place(const Calibration& calibration, const MeasurementTask
   Model::Workspace work;
   Eigen::Matrix<double, 6, Eigen::Dynamic> byParameter;
   const int distance = model.machine().layout().distance();
-  for (const TaskPoint& p : task.points()) {
+  for (const TaskPoint& p : task.points) {
     Point point;
     point.state = start;
     point.place = p.place;
@@ -187,17 +182,16 @@ void VirtualMachine::addParameters(const Calibration& calibration) {
   // those of CAR scores (Zuber & Strimmer 2011).
   root_ = rootOfCovariance(covariance);
   for (std::size_t e = 0; e < model.effects().size(); ++e) {
-    Source source{Cause::kParameters, {}, 0.0, 0.0, {}};
-    const int index = sources_.size();
+    bool varies = false;
     for (int k = 0; k < model.effects()[e]->parameterCount(); ++k) {
       const int p = model.offset(e) + k;
-      if (std[p] > 0.0) {
-        source.parameters.push_back(p);
-        sourceOf_[p] = index;
-      }
+      if (!(std[p] > 0.0)) continue;
+      sourceOf_[p] = sources_.size();
+      varies = true;
     }
-    linear_ = linear_ && (model.effects()[e]->linear() || source.parameters.empty());
-    if (!source.parameters.empty()) add(inWords(model.effects()[e]->spec()), std::move(source));
+    if (!varies) continue;
+    linear_ = linear_ && model.effects()[e]->linear();
+    add(inWords(model.effects()[e]->spec()), {Cause::kParameters});
   }
   if (calibration.degreesOfFreedom > 0.0 && calibration.degreesOfFreedom <= 2.0)
     throw InputError(
@@ -214,7 +208,7 @@ void VirtualMachine::addDrift(const Calibration& calibration) {
       return motionAlong(w.direction, compensator_.model(), point.state);
     };
     if (w.std > 0.0)
-      add("drift of " + w.direction, {Cause::kDrift, {}, w.std, w.timeConstant, byPoint(along), w.smooth});
+      add("drift of " + w.direction, {Cause::kDrift, w.std, byPoint(along), w.timeConstant, w.smooth});
   }
 }
 
@@ -229,7 +223,7 @@ void VirtualMachine::addRemainder(const Calibration& c, const TaskConditions& co
   else if (c.repeatabilityFrom == "estimated" && conditions.repeatability < 0.0)
     notes_.push_back(
         "the repeatability was estimated from the residuals and includes what the model does not explain");
-  if (probe > 0.0) add("repeatability of the probe", {Cause::kProbe, {}, probe, 0.0, {}});
+  if (probe > 0.0) add("repeatability of the probe", {Cause::kProbe, probe});
   if (!told) return;
   const double length =
       std::isnan(conditions.remainderLength) ? usualRemainderLength(d) : conditions.remainderLength;
@@ -237,7 +231,7 @@ void VirtualMachine::addRemainder(const Calibration& c, const TaskConditions& co
   if (remainder_.places > 0.0) remainder_.places = std::max(kFewestPlaces, remainder_.places);
   const double size = std::sqrt((remainder_.smooth.squaredNorm() + remainder_.rough.squaredNorm()) / 3.0);
   if (!(size > 0.0)) return;
-  add("unexplained remainder", {Cause::kRemainder, {}, size, 0.0, {}});
+  add("unexplained remainder", {Cause::kRemainder, size});
   const Eigen::Index n = points_.size();
   Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(n, n) * (1.0 + kPositive);
   for (Eigen::Index i = 0; i < n; ++i)
@@ -288,7 +282,7 @@ void VirtualMachine::addTemperatures(const TaskConditions& conditions) {
       temperature_[s] = was;
       return Eigen::Vector3d((sides[1] - sides[0]) / (2.0 * step));
     };
-    Source source{Cause::kCommon, {}, t.std, 0.0, byPoint(perKelvin)};
+    Source source{Cause::kCommon, t.std, byPoint(perKelvin)};
     if (!source.along.isZero(0.0)) add("temperature " + t.sensor, std::move(source));
   }
 }

@@ -167,7 +167,7 @@ TEST(Iso230, TargetsMeetAScrewAtDifferentPhases) {
   const Calibration c = test::bareCalibration({});
   const auto task = test::taskOf("iso230-2:x", c);
   std::vector<double> at;
-  for (int i = 0; i < 5; ++i) at.push_back(task->points()[static_cast<std::size_t>(i)].place.x());
+  for (int i = 0; i < 5; ++i) at.push_back(task->points[static_cast<std::size_t>(i)].place.x());
   const double spacing = (at.back() - at.front()) / 4.0;
   double lowest = 1.0, highest = -1.0;
   for (int i = 0; i < 5; ++i) {

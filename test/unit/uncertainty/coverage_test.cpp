@@ -55,7 +55,7 @@ std::vector<Eigen::Vector3d> measuredBy(const Calibration& truth, const Compensa
   const Compensator machine(truth);
   std::vector<Eigen::Vector3d> measured;
   double drift = normal(random);
-  for (const TaskPoint& p : task.points()) {
+  for (const TaskPoint& p : task.points) {
     State state = machine.blankState();
     state.time = 0.0;
     state.temperature.assign(state.temperature.size(), 22.0);
@@ -183,7 +183,7 @@ void instrumentCoverage(const std::vector<std::string>& unknown, const std::stri
       const TaskUncertainty u = test::uncertaintyFor(text, c, conditions, 4000);
       std::vector<Eigen::Vector3d> measured;
       double time = unit(random) * simulation.session.observations.back().time;
-      for (const TaskPoint& p : task->points()) {
+      for (const TaskPoint& p : task->points) {
         State state = compensator.blankState();
         state.position.assign(3, 0.0);
         state.velocity.assign(3, 0.0);
@@ -205,7 +205,7 @@ void instrumentCoverage(const std::vector<std::string>& unknown, const std::stri
         time += kInterval;
       }
       std::vector<double> values(u.quantities.size());
-      task->evaluate(measured, values.data());
+      task->figures(measured, values.data());
       InstrumentCoverage& coverage = ball ? balls : distances;
       const std::size_t last = ball ? 4 : 1;  // diameter and centre
       for (std::size_t q = 0; q < last; ++q) {
