@@ -15,41 +15,6 @@ constexpr double kRound = 2e-3;  // readings of a circle are on it within this s
 
 using Points = std::vector<Eigen::Vector2d>;
 
-}  // namespace
-
-Circle leastSquaresCircle(const Points& points) {
-  const Eigen::Index n = points.size();
-  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  for (const Eigen::Vector2d& p : points) mean += p / n;
-  Eigen::MatrixXd a(n, 3);
-  Eigen::VectorXd b(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::Vector2d p = points[i] - mean;
-    a.row(i) << 2.0 * p.x(), 2.0 * p.y(), 1.0;
-    b[i] = p.squaredNorm();
-  }
-  const Eigen::Vector3d start = leastSquares(a, b);
-  Circle circle{start.head<2>(), std::sqrt(std::max(0.0, start[2] + start.head<2>().squaredNorm()))};
-  for (int step = 0; step < 20; ++step) {
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const Eigen::Vector2d out = points[i] - mean - circle.centre;
-      const double distance = out.norm();
-      if (!(distance > 0.0)) return {mean + circle.centre, circle.radius};
-      a.row(i) << out.x() / distance, out.y() / distance, 1.0;
-      b[i] = distance - circle.radius;
-    }
-    const Eigen::Vector3d change = leastSquares(a, b);
-    circle.centre += change.head<2>();
-    circle.radius += change[2];
-    constexpr double kSettled = 1e-12;  // of the radius, or m: rounding
-    if (change.norm() < kSettled * std::max(1.0, circle.radius)) break;
-  }
-  circle.centre += mean;
-  return circle;
-}
-
-namespace {
-
 double inTurn(double angle) { return angle - kTurn * std::floor(angle / kTurn); }
 
 /// Whether ascending angles go round without a large gap.
@@ -104,6 +69,37 @@ CirclePath pathAbout(const Points& points, const Eigen::Vector2d& centre, double
 }
 
 }  // namespace
+
+Circle leastSquaresCircle(const Points& points) {
+  const Eigen::Index n = points.size();
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& p : points) mean += p / n;
+  Eigen::MatrixXd a(n, 3);
+  Eigen::VectorXd b(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Eigen::Vector2d p = points[i] - mean;
+    a.row(i) << 2.0 * p.x(), 2.0 * p.y(), 1.0;
+    b[i] = p.squaredNorm();
+  }
+  const Eigen::Vector3d start = leastSquares(a, b);
+  Circle circle{start.head<2>(), std::sqrt(std::max(0.0, start[2] + start.head<2>().squaredNorm()))};
+  for (int step = 0; step < 20; ++step) {
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Eigen::Vector2d out = points[i] - mean - circle.centre;
+      const double distance = out.norm();
+      if (!(distance > 0.0)) return {mean + circle.centre, circle.radius};
+      a.row(i) << out.x() / distance, out.y() / distance, 1.0;
+      b[i] = distance - circle.radius;
+    }
+    const Eigen::Vector3d change = leastSquares(a, b);
+    circle.centre += change.head<2>();
+    circle.radius += change[2];
+    constexpr double kSettled = 1e-12;  // of the radius, or m: rounding
+    if (change.norm() < kSettled * std::max(1.0, circle.radius)) break;
+  }
+  circle.centre += mean;
+  return circle;
+}
 
 CircleFigures circleFigures(const std::vector<CirclePoint>& points, double radius) {
   constexpr double kMillimetresPerUm = 1e-3;

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "estimation/drift.h"
 #include "estimation/linearisation.h"
@@ -134,12 +133,8 @@ std::optional<Remainder> remainderOf(const CalibrationResult& result, double len
     rough += design * design.transpose();
     ofRough += (rows.product(i, i) - variance.dot(design)) * design;
   }
-  Remainder found;
-  found.smooth = variance.cwiseSqrt();
-  found.rough = notNegative(rough, ofRough).cwiseSqrt();
-  found.length = length;
-  found.places = static_cast<double>(n) * static_cast<double>(n) / squares;
-  return found;
+  const double pairs = static_cast<double>(n) * n;
+  return Remainder{variance.cwiseSqrt(), notNegative(rough, ofRough).cwiseSqrt(), length, pairs / squares};
 }
 
 }  // namespace mm

@@ -1,6 +1,5 @@
 #include "uncertainty/length_tests.h"
 
-#include <algorithm>
 #include <cmath>
 #include <set>
 

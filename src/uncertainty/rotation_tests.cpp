@@ -1,8 +1,6 @@
 #include "uncertainty/rotation_tests.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
 #include "base/dense.h"
@@ -21,14 +19,6 @@ constexpr double kSmallestRadius = 1.0 * kMillimetre;  // a circle that is small
 constexpr double kRestsAngle = 0.05 * kDegree;
 
 using RotationRows = std::vector<int>;
-
-/// The one rotary joint that moved; -1: there is none, or others move too.
-int turningJoint(const Session& session, const RotationRows& rows) {
-  const std::vector<int> moved = movedJoints(session, rows);
-  const std::vector<Joint>& joints = session.machine.joints();
-  const bool one = moved.size() == 1 && joints[moved.front()].kind == JointKind::kRotary;
-  return one ? moved.front() : -1;
-}
 
 /// Plane and circle by least squares through points (rows, m), and how far each is from them, um.
 bool fitRotation(const Eigen::MatrixX3d& points, RotationTest& test) {
@@ -55,7 +45,7 @@ bool fitRotation(const Eigen::MatrixX3d& points, RotationTest& test) {
 }
 
 std::optional<RotationTest> rotationOf(const Session& session, RotationRows rows, const ResidualOf& left) {
-  const int joint = turningJoint(session, rows);
+  const int joint = singleRotary(session, movedJoints(session, rows));
   if (joint < 0) return std::nullopt;
   const auto observation = [&](int i) -> const Observation& { return session.observations[i]; };
   const auto at = [&](int i) { return observation(i).position[joint]; };

@@ -1,9 +1,9 @@
 #include "uncertainty/setup_rows.h"
 
-#include <algorithm>
 #include <map>
 #include <tuple>
 
+#include "base/erase_if.h"
 #include "base/range.h"
 
 namespace mm {
@@ -26,10 +26,7 @@ std::vector<SetupRows> rowsBySetup(const Session& session, ObservationKind kind)
 
 std::vector<SetupRows> lengthsBySetup(const Session& session) {
   std::vector<SetupRows> all = rowsBySetup(session, ObservationKind::kLength);
-  const auto unknown = [&](const SetupRows& rows) {
-    return rows.feature < 0 || session.poseFree(rows.placement);
-  };
-  all.erase(std::remove_if(all.begin(), all.end(), unknown), all.end());
+  eraseIf(all, [&](const SetupRows& rows) { return rows.feature < 0 || session.poseFree(rows.placement); });
   return all;
 }
 
@@ -43,6 +40,12 @@ std::vector<int> movedJoints(const Session& session, const std::vector<int>& obs
     if (range.size() > (linear ? length : kAngle)) moved.push_back(j);
   }
   return moved;
+}
+
+int singleRotary(const Session& session, const std::vector<int>& joints) {
+  const bool single =
+      joints.size() == 1 && session.machine.joints()[joints.front()].kind == JointKind::kRotary;
+  return single ? joints.front() : -1;
 }
 
 Eigen::Vector3d wayOfLength(const Session& session, const Observation& length) {

@@ -25,6 +25,9 @@ std::vector<SetupRows> lengthsBySetup(const Session& session);
 std::vector<int> movedJoints(const Session& session, const std::vector<int>& observations,
                              double length = 0.05 * kMillimetre);
 
+/// The one joint of a list where it is rotary; -1: it is none, or there are several.
+int singleRotary(const Session& session, const std::vector<int>& joints);
+
 /// From the point at which a length begins to where the readings say that the tip is: workpiece, m.
 Eigen::Vector3d wayOfLength(const Session& session, const Observation& length);
 

@@ -7,6 +7,7 @@
 #include <map>
 #include <tuple>
 
+#include "base/erase_if.h"
 #include "base/format.h"
 #include "base/range.h"
 #include "base/units.h"
@@ -58,8 +59,7 @@ int swungJoint(const Session& session, const Rows& rows) {
     if (travels && joints[j].name == named && joints[j].kind == JointKind::kRotary) return j;
     if (travels) travelled.push_back(j);
   }
-  const bool one = travelled.size() == 1 && joints[travelled.front()].kind == JointKind::kRotary;
-  return one ? travelled.front() : -1;
+  return singleRotary(session, travelled);
 }
 
 bool isSpeed(const Series& s) { return s.unit == "rpm" || s.unit == "1/min"; }
@@ -123,8 +123,7 @@ std::vector<Rows> placesAlong(const Session& session, Rows rows, std::size_t joi
     std::sort(place.begin(), place.end());
     place = fromOneSide(session, place, joint);
   }
-  const auto few = [](const Rows& place) { return place.size() < kFewestReadings; };
-  places.erase(std::remove_if(places.begin(), places.end(), few), places.end());
+  eraseIf(places, [](const Rows& place) { return place.size() < kFewestReadings; });
   return places;
 }
 
