@@ -133,11 +133,6 @@ std::size_t shownWidth(const std::string& text) {
       text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
 }
 
-std::string padded(const std::string& text, std::size_t width) {
-  const std::size_t shown = shownWidth(text);
-  return text + std::string(shown < width ? width - shown : 0, ' ');
-}
-
 /// Rows of as many cells each under one another, with two blanks before each line.
 std::string alignedText(const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> widths(rows[0].size(), 0);
@@ -146,7 +141,8 @@ std::string alignedText(const std::vector<std::vector<std::string>>& rows) {
   std::string text;
   for (const auto& row : rows) {
     std::string line;
-    for (std::size_t k = 0; k < row.size(); ++k) line += padded(row[k], widths[k] + 2);
+    for (std::size_t k = 0; k < row.size(); ++k)
+      line += row[k] + std::string(widths[k] - shownWidth(row[k]) + 2, ' ');
     text += "  " + line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
   }
   return text;

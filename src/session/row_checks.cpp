@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <string>
 
 #include "base/format.h"
@@ -148,29 +147,24 @@ class RowAsker {
     for (const Observation& o : session_.observations) rows.push_back(&o);
     std::stable_sort(rows.begin(), rows.end(),
                      [](const Observation* a, const Observation* b) { return a->row < b->row; });
+    // where a line of the file is several rows, their order is not that of the lines
+    const auto sameLine = [](const Observation* a, const Observation* b) { return a->row == b->row; };
+    if (std::adjacent_find(rows.begin(), rows.end(), sameLine) != rows.end()) return;
     std::size_t count = 0;
     const Observation* first = nullptr;
     const Observation* before = nullptr;
     for (std::size_t i = 1; i < rows.size(); ++i) {
-      if (rows[i]->row == rows[i - 1]->row || rows[i]->time >= rows[i - 1]->time) continue;
+      if (rows[i]->time >= rows[i - 1]->time) continue;
       if (count++ == 0) first = rows[i], before = rows[i - 1];
     }
     // a table that is sorted by something else than time goes back again and again
     constexpr std::size_t kFew = 3, kShare = 20;
-    if (count == 0 || count > std::max(kFew, rows.size() / kShare) || manyRowsALine()) return;
+    if (count == 0 || count > std::max(kFew, rows.size() / kShare)) return;
     doubt(format("time goes back at %zu place%s, first from %.6g s to %.6g s in ", count,
                  count == 1 ? "" : "s", before->time, first->time) +
           session_.rowText(first->row, first->recording) +
           ": rows are taken in the order of their times; was the clock set, were several runs joined, or is "
           "the order wrong?");
-  }
-
-  /// Where a line of the file is several rows, their order is not that of the lines.
-  bool manyRowsALine() const {
-    std::map<std::int64_t, int> count;
-    for (const Observation& o : session_.observations)
-      if (++count[o.row] > 1) return true;
-    return false;
   }
 
   void timesLong() {
