@@ -8,7 +8,6 @@
 #include "session/csv_cells.h"
 
 namespace mm {
-
 namespace {
 
 using W = WordClass;
@@ -51,16 +50,6 @@ constexpr std::pair<WordClass, std::string_view> kClasses[] = {
      "scale|in|of|the|is|at"},
 };
 
-}  // namespace
-
-std::optional<WordClass> classOf(std::string_view word) {
-  for (const auto& [known, words] : kClasses)
-    if (isOneOf(word, words)) return known;
-  return std::nullopt;
-}
-
-namespace {
-
 /// A unit of two parts: x_velocity_mm_s.
 std::size_t unitCut(const std::string& name) {
   for (std::size_t at = name.rfind('_'), parts = 0; at != std::string::npos && parts < 2;
@@ -76,6 +65,12 @@ bool saysTime(const std::string& name) {
 }
 
 }  // namespace
+
+std::optional<WordClass> classOf(std::string_view word) {
+  for (const auto& [known, words] : kClasses)
+    if (isOneOf(word, words)) return known;
+  return std::nullopt;
+}
 
 NameAndUnit splitUnit(const std::string& written) {
   const std::string name(trim(written));

@@ -32,11 +32,10 @@ DecimalMarks DecimalMarkFinder::decide() const {
   DecimalMarks marks;
   marks.proven = points + commas > 0;
   marks.comma = points == 0 && (commas > 0 || (commaOrNot && !pointOrNot));
+  const bool comma = marks.proven && marks.comma;
   for (const Column& c : columns_) {
-    if (!marks.proven && commaOrNot && c.commaOrNot.line > 0) marks.unclear.push_back(c.commaOrNot);
-    if (!marks.proven) continue;
-    if (marks.comma && c.pointOrNot.line > 0 && c.comma == 0) marks.unclear.push_back(c.pointOrNot);
-    if (!marks.comma && c.commaOrNot.line > 0 && c.point == 0) marks.unclear.push_back(c.commaOrNot);
+    const UnclearNumber& unclear = comma ? c.pointOrNot : c.commaOrNot;
+    if (unclear.line > 0 && (comma ? c.comma : c.point) == 0) marks.unclear.push_back(unclear);
   }
   return marks;
 }

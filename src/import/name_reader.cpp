@@ -78,14 +78,13 @@ std::optional<Meaning> NameReader::byWords(const std::string& stem, const std::o
   using W = WordClass;
   std::vector<std::string> rest;
   const std::vector<std::string> words = wordsOf(stem);
-  const auto [classes, known] = classesOf(words, &rest);
+  const auto [classes, joint] = classesOf(words, &rest);
   // a letter that is no joint of the machine names another one's: not the joint of the table
   const bool another = std::any_of(rest.begin(), rest.end(), [](const std::string& word) {
     return word.size() == 1 && std::isalpha(static_cast<unsigned char>(word[0])) != 0;
   });
   NameContext context = table;
   if (another) context.axis = -1;
-  const int joint = known;
   const auto has = [&c = classes](WordClass w) { return c.count(w) > 0; };
   if ((unit && unit->kind == UnitKind::kTemperature) || has(W::kTemperature)) return temperature(words);
   if (has(W::kNote)) return leftOut("a note");
