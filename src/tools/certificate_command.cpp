@@ -173,9 +173,7 @@ CertifiedSession heldAgainst(const CertificateCommand& c, const Calibration& cal
 /// Whether a line can be measured in every calibrated volume; a laser or a rotary machine states its own
 /// tasks.
 bool hasVolume(const Domain& d) {
-  int sides = 0;
-  for (const double side : Eigen::Vector3d(d.tipUpper - d.tipLower)) sides += side >= kMillimetre ? 1 : 0;
-  return sides >= 1 && !d.laser;
+  return ((d.tipUpper - d.tipLower).array() >= kMillimetre).any() && !d.laser;
 }
 
 std::vector<CertifiedTask> certifiedTasks(CertificateCommand& c, const Calibration& calibration) {

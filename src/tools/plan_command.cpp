@@ -1,3 +1,4 @@
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -30,20 +31,17 @@ struct PlanOptions {
   OutputFiles files;
 };
 
-/// Where the nominal tip can be: the box of the corners of the linear travels, rotary joints in the middle.
-struct Reach {
-  Eigen::Vector3d lower = Eigen::Vector3d::Constant(INFINITY), upper = -lower;  // m, workpiece
-};
-
 std::vector<double> middleOf(const Machine& machine) {
   std::vector<double> q;
   for (const Joint& j : machine.joints()) q.push_back(0.5 * (j.lower + j.upper));
   return q;
 }
 
-Reach reachOf(const Machine& machine) {
+/// Where the nominal tip can be, m, workpiece: the box of the corners of the linear travels, rotary joints in
+/// the middle.
+Eigen::AlignedBox3d reachOf(const Machine& machine) {
   const std::vector<int> linear = linearJoints(machine.joints());
-  Reach reach;
+  Eigen::AlignedBox3d reach;
   for (unsigned corner = 0; corner < (1U << linear.size()); ++corner) {
     std::vector<double> q = middleOf(machine);
     for (std::size_t i = 0; i < linear.size(); ++i) {
@@ -51,9 +49,7 @@ Reach reachOf(const Machine& machine) {
       const Joint& j = machine.joints()[joint];
       q[joint] = (corner >> i & 1U) != 0 ? j.upper : j.lower;
     }
-    const Eigen::Vector3d tip = machine.nominal(q.data(), 0.0).position;
-    reach.lower = reach.lower.cwiseMin(tip);
-    reach.upper = reach.upper.cwiseMax(tip);
+    reach.extend(machine.nominal(q.data(), 0.0).position);
   }
   return reach;
 }
@@ -72,15 +68,14 @@ std::pair<int, int> gridOf(const std::string& text) {
 /// Balls in a grid over the reach, at three heights in turn, so that scale and squareness of all axes show.
 Artifact gridArtifact(const PlanOptions& o, const Machine& machine, double margin) {
   const auto [nx, ny] = gridOf(o.balls);
-  const Reach reach = reachOf(machine);
-  const Eigen::Vector3d lower = reach.lower.array() + margin, upper = reach.upper.array() - margin;
+  const Eigen::AlignedBox3d reach = reachOf(machine);
+  const Eigen::Vector3d lower = reach.min().array() + margin, upper = reach.max().array() - margin;
   const double sideways = std::min(upper.x() - lower.x(), upper.y() - lower.y());
+  const Eigen::Vector3d size = reach.sizes() / kMillimetre;
   if (sideways < 0.0 || upper.z() < lower.z())
     throw InputError(o.machine + ": a ball of radius " + format("%.6g", o.radius) +
                      " mm with its approach does not fit into the travels of " +
-                     format("%.6g x %.6g x %.6g mm", (reach.upper.x() - reach.lower.x()) / kMillimetre,
-                            (reach.upper.y() - reach.lower.y()) / kMillimetre,
-                            (reach.upper.z() - reach.lower.z()) / kMillimetre) +
+                     format("%.6g x %.6g x %.6g mm", size.x(), size.y(), size.z()) +
                      "; take a smaller --ball-radius-mm");
   Artifact artifact;
   artifact.name = "grid_" + o.balls;

@@ -1,5 +1,6 @@
 #include "tools/sensors_picture.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -50,7 +51,7 @@ std::string tooltip(const std::string& name, double information) {
 class Scene {
  public:
   explicit Scene(const Eigen::MatrixXd& positions)
-      : low_(positions.colwise().minCoeff()), high_(positions.colwise().maxCoeff()) {
+      : box_(positions.colwise().minCoeff().transpose(), positions.colwise().maxCoeff().transpose()) {
     Range across, down;
     for (int corner = 0; corner < 8; ++corner) {
       const Eigen::Vector2d p = flat(cornerOf(corner));
@@ -77,12 +78,11 @@ class Scene {
   static Eigen::Vector2d flat(const Eigen::Vector3d& p) {
     return {0.94 * p.x() - 0.5 * p.y(), -0.9 * p.z() - 0.2 * p.x() - 0.38 * p.y()};
   }
+  /// @param corner bit k set: the upper end along k.
   Eigen::Vector3d cornerOf(int corner) const {
-    Eigen::Vector3d p;
-    for (int k = 0; k < 3; ++k) p[k] = (corner >> k & 1) != 0 ? high_[k] : low_[k];
-    return p;
+    return box_.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner));
   }
-  Eigen::Vector3d low_, high_;
+  Eigen::AlignedBox3d box_;
   double scale_ = 1.0;
   Eigen::Vector2d offset_ = Eigen::Vector2d::Zero();
 };
