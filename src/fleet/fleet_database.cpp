@@ -38,12 +38,6 @@ ALTER TABLE sensors ADD COLUMN step_K REAL;
 
 const JobResult kNothing;  // for the names of its fields
 
-/// As eachField, of what the table `jobs` keeps.
-template <class Result, class F>
-void eachStored(Result& r, F&& f) {
-  JobResult::stored(r, f);
-}
-
 template <class Field>
 void bindField(Database::Statement& s, int place, const Field& field) {
   if constexpr (std::is_integral_v<Field>)
@@ -113,7 +107,7 @@ void FleetDatabase::enter(const std::vector<JobResult>& results, const ResultsFo
         "UPDATE jobs SET folder=?2, serial=iif(coalesce(serial,'')='',?3,serial), "
         "date=iif(coalesce(date,'')='',?4,date)";
     int place = 4;
-    eachStored(kNothing, [&](const char* name, const auto& /*field*/) {
+    JobResult::stored(kNothing, [&](const char* name, const auto& /*field*/) {
       set += std::string(", ") + name + "=?" + std::to_string(++place);
     });
     Database::Statement job = database_.prepare(set + " WHERE key=?1");
@@ -121,7 +115,7 @@ void FleetDatabase::enter(const std::vector<JobResult>& results, const ResultsFo
       job.bind(1, r.key).bind(2, folder.jobFolder(r.key).lexically_relative(folder.path()).string());
       job.bind(3, r.serial).bind(4, utcText(r.epoch));
       place = 4;
-      eachStored(r, [&](const char* /*name*/, const auto& field) { bindField(job, ++place, field); });
+      JobResult::stored(r, [&](const char* /*name*/, const auto& field) { bindField(job, ++place, field); });
       job.step();
       job.reset();
     }
@@ -169,7 +163,7 @@ long FleetDatabase::count(const std::string& status) const {
 std::vector<FleetRecord> FleetDatabase::records() const {
   std::vector<FleetRecord> all;
   std::string columns = "machine,date,session,model,key,serial";
-  eachStored(kNothing, [&](const std::string& name, const auto& /*field*/) {
+  JobResult::stored(kNothing, [&](const std::string& name, const auto& /*field*/) {
     columns += schema_ < 2 && name == "angular" ? ",0" : "," + name;
   });
   Database::Statement s = database_.prepare(
@@ -180,7 +174,8 @@ std::vector<FleetRecord> FleetDatabase::records() const {
     record.result.key = s.text(4);
     record.result.serial = s.text(5);
     int column = 5;
-    eachStored(record.result, [&](const char* /*name*/, auto& field) { readField(s, ++column, field); });
+    JobResult::stored(record.result,
+                      [&](const char* /*name*/, auto& field) { readField(s, ++column, field); });
     all.push_back(std::move(record));
   }
   addLists(all);

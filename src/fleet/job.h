@@ -32,7 +32,7 @@ struct BatchJob {
 
   /// See eachField; in the order of the JSON.
   template <class Self, class F>
-  static void fields(Self& self, F& f) {
+  static void fields(Self& self, const F& f) {
     f("key", self.key);
     f("bag", self.bag);
     f("model", self.model);

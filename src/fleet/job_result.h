@@ -19,7 +19,7 @@ struct FleetParameter {
 
   /// See eachField; in the order of the JSON and of the table.
   template <class Self, class F>
-  static void fields(Self& self, F& f) {
+  static void fields(Self& self, const F& f) {
     f("effect", self.effect);
     f("name", self.name);
     f("unit", self.unit);
@@ -52,7 +52,7 @@ struct JobResult {
 
   /// See eachField; of all that is no list, in the order of the JSON.
   template <class Self, class F>
-  static void fields(Self& self, F& f) {
+  static void fields(Self& self, const F& f) {
     f("key", self.key);
     f("again", self.again);
     f("serial", self.serial);
@@ -62,7 +62,7 @@ struct JobResult {
   }
   /// Those that the table `jobs` keeps under the same name.
   template <class Self, class F>
-  static void stored(Self& self, F& f) {
+  static void stored(Self& self, const F& f) {
     f("status", self.status);
     f("failed", self.failed);
     f("why", self.why);

@@ -23,7 +23,7 @@ struct SensorHealth {
 
   /// See eachField; in the order of the JSON and of the table.
   template <class Self, class F>
-  static void fields(Self& self, F& f) {
+  static void fields(Self& self, const F& f) {
     f("sensor", self.sensor);
     f("values", self.values);
     f("set_aside", self.setAside);

@@ -72,25 +72,13 @@ void Snakemake::start(const std::vector<BatchJob>& jobs, const std::string& prog
   const std::string work = folder_.work().string();
   if (!isUtf8(program))
     throw InputError("the path of mm, " + readable(program) + ", is not UTF-8; install it elsewhere");
-  std::vector<std::string> words{"env",
-                                 "--unset=SNAKEMAKE_PROFILE",  // a user's own, that nobody asked for here
-                                 "PYTHONUTF8=1",               // paths, whatever the locale
-                                 "XDG_CACHE_HOME=" + work,     // a user may have no home that can be written
-                                 "snakemake",
-                                 "--snakefile",
-                                 rules().string(),
-                                 "--directory",
-                                 work,
-                                 "--keep-going",
-                                 "--keep-incomplete",
-                                 "--nolock",
-                                 "--rerun-triggers",
-                                 "mtime",
-                                 "--drop-metadata",
-                                 "--scheduler",
-                                 "greedy",
-                                 "--quiet",
-                                 "rules"};
+  // A user may have a profile that nobody asked for here, another locale than that of the paths, and no home
+  // that can be written.
+  std::vector<std::string> words{"env", "--unset=SNAKEMAKE_PROFILE", "PYTHONUTF8=1",
+                                 "XDG_CACHE_HOME=" + work};
+  words.insert(words.end(), {"snakemake", "--snakefile", rules().string(), "--directory", work,
+                             "--keep-going", "--keep-incomplete", "--nolock", "--rerun-triggers", "mtime",
+                             "--drop-metadata", "--scheduler", "greedy", "--quiet", "rules"});
   if (!options_.profile.empty()) words.insert(words.end(), {"--profile", options_.profile});
   int atATime = options_.jobs;
   if (atATime == 0 && options_.profile.empty())
