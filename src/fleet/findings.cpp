@@ -17,9 +17,7 @@ constexpr double kNoSpan = 1e-9;  // d^2: sessions of one moment have no trend
 
 constexpr std::size_t kFewestForTrend = 5, kFewestSisters = 4;
 
-std::string dayText(const std::string& date) {
-  return date.substr(0, std::min<std::size_t>(10, date.size()));
-}
+std::string dayText(const std::string& date) { return date.substr(0, 10); }
 
 /// Three significant digits, and the unit.
 std::string measure(double value, const std::string& unit) { return format("%.3g %s", value, unit.c_str()); }

@@ -124,14 +124,12 @@ std::string multiples(const std::vector<const FleetSeries*>& group, const std::s
 
 std::string kindInWords(const std::string& kind) {
   static const std::map<std::string, std::string> words{
-      {"changed", "changed"},           {"drifts", "drifts"},       {"apart", "differs from other machines"},
-      {"drifts_apart", "drifts apart"}, {"came_back", "came back"}, {"sensor", "sensor"}};
+      {"apart", "differs from other machines"}, {"drifts_apart", "drifts apart"}, {"came_back", "came back"}};
   const auto at = words.find(kind);
   return at == words.end() ? kind : at->second;
 }
 
 std::string findingsHtml(const Fleet& fleet) {
-  const std::string chance = format("%.3g", fleet.alarm);
   if (fleet.findings.empty())
     return "<p class=\"quiet\">No findings: no machine changed, drifts or differs from the others by more "
            "than chance would produce in one fleet of " +
@@ -141,7 +139,8 @@ std::string findingsHtml(const Fleet& fleet) {
     html += "<li><span class=\"kind\">" + escapedHtml(kindInWords(f.kind)) + "</span>" +
             escapedHtml(f.inWords) + "</li>";
   return html + "</ul><p class=\"soft\">" + format("%.0f", fleet.questions) +
-         " tests were made; the false alarm probability of the whole fleet is " + chance + ".</p>";
+         " tests were made; the false alarm probability of the whole fleet is " +
+         format("%.3g", fleet.alarm) + ".</p>";
 }
 
 std::string failuresHtml(const Fleet& fleet) {

@@ -151,13 +151,12 @@ void addJobs(const YamlMapping& entry, const fs::path& folder, Choices c, std::v
   job.source = entry.source() + ":" + std::to_string(entry.line());
   if (entry.has("serial")) job.serial = utf8(entry, "serial", entry.text("serial"));
   if (entry.has("date")) job.date = dateOf(entry);
-  const bool several = job.does("calibrate") && !c.models.empty();
   for (const fs::path& bag : bagsOf(entry, folder)) {
     job.bag = bag;
     job.machine = entry.has("machine")  ? utf8(entry, "machine", entry.text("machine"))
                   : !job.serial.empty() ? job.serial
                                         : bag.parent_path().filename().string();
-    for (const fs::path& model : several ? c.models : std::vector<fs::path>{{}}) {
+    for (const fs::path& model : job.does("calibrate") ? c.models : std::vector<fs::path>{{}}) {
       job.model = model;
       jobs.push_back(job);
     }
