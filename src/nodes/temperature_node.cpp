@@ -165,7 +165,7 @@ std::string TemperatureNode::accept() {
     const std::string changes = entry.second.trust.accept();
     if (changes.empty()) continue;
     ROS_WARN("%s, because ~accept was called", changes.c_str());
-    all += (all.empty() ? "" : "; ") + changes;
+    addWords(all, changes);
   }
   if (all.empty()) throw InputError("no sensor has jumped: there is nothing to accept");
   return all;

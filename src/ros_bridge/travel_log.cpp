@@ -92,8 +92,8 @@ std::string TravelLog::lacking() const {
   for (const auto& [name, joint] : joints_)
     for (const auto& [publisher, track] : joint.tracks)
       if (track.dropped > 0 && counts(joint, publisher))
-        text += (text.empty() ? "" : "; ") + std::to_string(track.dropped) + " reversals of '" + name +
-                "', the oldest of the session, have been dropped";
+        addWords(text, std::to_string(track.dropped) + " reversals of '" + name +
+                           "', the oldest of the session, have been dropped");
   return text;
 }
 
