@@ -1,6 +1,5 @@
 #include "verification/calibration_changes.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

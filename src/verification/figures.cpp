@@ -1,6 +1,5 @@
 #include "verification/figures.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

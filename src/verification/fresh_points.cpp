@@ -1,6 +1,5 @@
 #include "verification/fresh_points.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

@@ -63,29 +63,6 @@ class Maker {
   Eigen::VectorXd rest_;
 };
 
-}  // namespace
-
-const StateFacts& factsOf(AxisState state) {
-  static constexpr StateFacts kFacts[] = {{0.0, "corrected", "corrected", "are loaded"},
-                                          {1.0, "not_corrected", "not corrected", "are not"},
-                                          {2.0, "wrong_sign", "wrong sign", "have the wrong sign"},
-                                          {-1.0, "corrected_twice", "corrected twice", "are loaded twice"}};
-  return kFacts[static_cast<std::size_t>(state)];
-}
-
-bool LoadedHow::alike() const {
-  return exchanges.empty() &&
-         std::all_of(axes.begin(), axes.end(), [&](AxisState s) { return s == axes.front(); });
-}
-
-bool LoadedHow::uniform() const { return alike() && (!offsets || *offsets == state()); }
-
-AxisState LoadedHow::state() const {
-  return axes.empty() ? offsets.value_or(AxisState::kCorrected) : axes.front();
-}
-
-namespace {
-
 /// Every way of the tables with every way of the external offsets; `tables` have them as the axes where these
 /// are alike, else as corrected.
 std::vector<LoadedHow> withOffsets(const std::vector<LoadedHow>& tables, const FreshPoints& points,
@@ -110,6 +87,25 @@ std::vector<LoadedHow> withOffsets(const std::vector<LoadedHow>& tables, const F
 }
 
 }  // namespace
+
+const StateFacts& factsOf(AxisState state) {
+  static constexpr StateFacts kFacts[] = {{0.0, "corrected", "corrected", "are loaded"},
+                                          {1.0, "not_corrected", "not corrected", "are not"},
+                                          {2.0, "wrong_sign", "wrong sign", "have the wrong sign"},
+                                          {-1.0, "corrected_twice", "corrected twice", "are loaded twice"}};
+  return kFacts[static_cast<std::size_t>(state)];
+}
+
+bool LoadedHow::alike() const {
+  return exchanges.empty() &&
+         std::all_of(axes.begin(), axes.end(), [&](AxisState s) { return s == axes.front(); });
+}
+
+bool LoadedHow::uniform() const { return alike() && (!offsets || *offsets == state()); }
+
+AxisState LoadedHow::state() const {
+  return axes.empty() ? offsets.value_or(AxisState::kCorrected) : axes.front();
+}
 
 std::vector<LoadedHow> hypothesesOf(const FreshPoints& points, bool loaded, const std::vector<char>& seen,
                                     bool offsetsSeen) {

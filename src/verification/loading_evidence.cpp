@@ -233,12 +233,7 @@ Changes LoadingEvidence::changes(const LoadedHow& h) const {
 }
 
 Eigen::MatrixXd covarianceOf(const FreshPoints& points, const Calibration& calibration) {
-  const Eigen::Index count = points.parameters().size();
-  Eigen::MatrixXd covariance(count, count);
-  for (Eigen::Index i = 0; i < count; ++i)
-    for (Eigen::Index j = 0; j < count; ++j)
-      covariance(i, j) = calibration.covariance(points.parameters()[i], points.parameters()[j]);
-  return covariance;
+  return calibration.covariance(points.parameters(), points.parameters());
 }
 
 Decision decide(const FreshPoints& points, const PointSystem& system, const Calibration& calibration,

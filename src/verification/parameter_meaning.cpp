@@ -28,13 +28,11 @@ State stateFor(const Domain& named, const Domain& a) {
   }
   for (const std::string& sensor : named.sensors) {
     const int at = a.findSensor(sensor);
-    const std::size_t s = static_cast<std::size_t>(std::max(0, at));
-    state.temperature.push_back(at >= 0 ? middle(a.sensorLower[s], a.sensorUpper[s]) : 20.0);
+    state.temperature.push_back(at >= 0 ? middle(a.sensorLower[at], a.sensorUpper[at]) : 20.0);
   }
   for (const std::string& covariate : named.covariates) {
     const int at = a.findCovariate(covariate);
-    const std::size_t c = static_cast<std::size_t>(std::max(0, at));
-    state.covariate.push_back(at >= 0 ? middle(a.covariateLower[c], a.covariateUpper[c]) : 0.0);
+    state.covariate.push_back(at >= 0 ? middle(a.covariateLower[at], a.covariateUpper[at]) : 0.0);
   }
   if (named.laser) state.laserReading = middle(named.readingLower, named.readingUpper);
   return state;

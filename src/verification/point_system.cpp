@@ -1,6 +1,5 @@
 #include "verification/point_system.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

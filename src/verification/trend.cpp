@@ -145,14 +145,9 @@ std::vector<ParameterTrend> trendsOf(const std::vector<Calibration>& calibration
         found->name = v.name;
         found->unit = v.unit;
       }
-      ParameterPoint point;
-      point.id = (*c)->id;
-      point.created = (*c)->created;
-      point.measured = measuredAt(**c);
-      point.day = dayOf(**c) - first;
-      point.value = v.value * v.toUnit;
-      point.std = v.std * v.toUnit;
-      point.comparable = *c == &last || found->points.empty() || meansTheSame(effect, **c, last);
+      const bool comparable = *c == &last || found->points.empty() || meansTheSame(effect, **c, last);
+      const ParameterPoint point{(*c)->id,           (*c)->created,    measuredAt(**c), dayOf(**c) - first,
+                                 v.value * v.toUnit, v.std * v.toUnit, comparable};
       found->points.insert(found->points.begin(), point);
     }
   const double alpha = kSignificant / std::max<std::size_t>(1, trends.size());
