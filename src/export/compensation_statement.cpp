@@ -82,7 +82,7 @@ std::string directionsText(const Calibration& c, const std::vector<EffectSpec>& 
   }
   std::vector<std::string> uni, bi;
   for (std::size_t j = 0; j < axes.size(); ++j)
-    (both.count(static_cast<int>(j)) > 0 ? bi : uni).push_back(nameOfAxis(machine, axes, j));
+    (both.count(j) > 0 ? bi : uni).push_back(nameOfAxis(machine, axes, j));
   std::string text = bi.empty() ? "" : "bidirectional: " + joined(bi, ", ");
   if (!uni.empty())
     text += (text.empty() ? "" : "; ") +
@@ -94,7 +94,7 @@ std::string squarenessText(const Calibration& c, const std::vector<EffectSpec>& 
                            const ErrorSymbols& symbols) {
   std::string text;
   for (const Calibration::Value& v : c.values) {
-    const EffectSpec& effect = c.effects[static_cast<std::size_t>(v.effect)];
+    const EffectSpec& effect = c.effects[v.effect];
     const int sign = symbols.squarenessSign(effect);
     if (sign == 0 || std::find(compensated.begin(), compensated.end(), effect) == compensated.end()) continue;
     text += (text.empty() ? "" : "; ") + symbols.of(effect) + " = " +

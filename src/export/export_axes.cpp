@@ -1,8 +1,5 @@
 #include "export/export_axes.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "base/error.h"
 #include "base/names_of.h"
 #include "base/nearest_name.h"
@@ -58,11 +55,7 @@ std::vector<ExportAxis> exportAxes(const Machine& machine, const std::map<std::s
   };
   bool linear = false;
   for (std::size_t j = 0; j < joints.size(); ++j) {
-    axes[j].joint = static_cast<int>(j);
-    axes[j].name = joints[j].name;
-    axes[j].kind = joints[j].kind;
-    axes[j].lower = lower[j];
-    axes[j].upper = upper[j];
+    axes[j] = {static_cast<int>(j), joints[j].name, "", joints[j].kind, lower[j], upper[j]};
     linear = linear || joints[j].kind == JointKind::kLinear;
     const auto found = told.find(joints[j].name);
     if (found != told.end()) give(j, found->second, "is assigned to");
@@ -77,8 +70,7 @@ std::vector<ExportAxis> exportAxes(const Machine& machine, const std::map<std::s
   for (std::size_t j = 0; j < joints.size(); ++j) {
     if (!axes[j].letter.empty()) continue;
     const Eigen::Index top = joints[j].kind == JointKind::kLinear ? 0 : 3;
-    for (const char letter :
-         lettersFor(jacobian.block<3, 1>(top, static_cast<Eigen::Index>(j)), axes[j].kind))
+    for (const char letter : lettersFor(jacobian.block<3, 1>(top, j), axes[j].kind))
       if (axes[j].letter.empty() && taken.find(letter) == std::string::npos)
         give(j, std::string(1, letter), "becomes");
     if (axes[j].letter.empty())

@@ -38,7 +38,7 @@ std::string signText(const NeededCorrection& needed, const ExportTarget& target,
   std::string text =
       "With the tables in effect, command this position, arriving in the stated directions:\n\n";
   for (const ExportAxis& axis : needed.axes()) {
-    const auto j = static_cast<std::size_t>(axis.joint);
+    const int j = axis.joint;
     const JointUnit unit = readingUnit(needed.model().machine().joints()[j]);
     text +=
         format("    %s %.3f %s, %s\n", capital(axis.letter).c_str(), check.state.position[j] / unit.factor,

@@ -64,7 +64,7 @@ Stride strideOf(const NeededCorrection& needed, int input, const std::vector<dou
       State& state = probes[p / 2];
       state.position[input] = std::clamp(at[n], axis.lower, axis.upper);
       state.travel[input] = p % 2 == 0 ? 1.0 : -1.0;
-      curves.block<1, 3>(static_cast<Eigen::Index>(n), 3 * p) = needed.displacement(state).transpose();
+      curves.block<1, 3>(n, 3 * p) = needed.displacement(state).transpose();
     }
   const auto left = [&](int stride) {
     std::vector<double> points;
@@ -99,7 +99,7 @@ FinestPoints pointsOfActive(const NeededCorrection& needed, int input, int most)
   if (points.size() < 2) return finest;
   const double step = points[1] - points[0];
   for (std::size_t i = 1; i < points.size(); ++i)
-    if (std::abs(points[i] - points[0] - static_cast<double>(i) * step) > kOfAStep * step) return finest;
+    if (std::abs(points[i] - points[0] - i * step) > kOfAStep * step) return finest;
   const ExportAxis& axis = needed.axis(input);
   const auto beyond = [&](double distance) {
     return std::max(0, static_cast<int>(std::ceil(distance / step - kOfAStep)));
@@ -258,11 +258,7 @@ Eigen::VectorXd meanOver(const NeededCorrection& needed, CorrectionPart part, st
 
 PlaneTable planeTable(const NeededCorrection& needed, int first, int second, std::vector<double> atFirst,
                       std::vector<double> atSecond, CorrectionPart part) {
-  PlaneTable plane;
-  plane.first = first;
-  plane.second = second;
-  plane.atFirst = std::move(atFirst);
-  plane.atSecond = std::move(atSecond);
+  PlaneTable plane{first, second, std::move(atFirst), std::move(atSecond), {}};
   const std::size_t rows = plane.atFirst.size(), columns = plane.atSecond.size();
   const std::size_t joints = needed.axes().size();
   plane.value.assign(joints, Eigen::MatrixXd::Zero(rows, columns));
@@ -301,7 +297,7 @@ StraightPart straightPart(const NeededCorrection& needed, CorrectionPart which) 
   Eigen::VectorXd size(inputs.cols());
   for (Eigen::Index c = 1; c < inputs.cols(); ++c) {
     inputs.col(c).array() -= inputs.col(c).mean();
-    size[c] = inputs.col(c).norm() / std::sqrt(static_cast<double>(kTableStates));
+    size[c] = inputs.col(c).norm() / std::sqrt(kTableStates);
     if (size[c] > kStandsStill)
       inputs.col(c) /= size[c];
     else
@@ -317,11 +313,8 @@ StraightPart straightPart(const NeededCorrection& needed, CorrectionPart which) 
   for (Eigen::Index c = 1; c < by.rows(); ++c)
     by.row(c) =
         size[c] > kStandsStill ? Eigen::RowVectorXd(by.row(c) / size[c]) : Eigen::RowVectorXd::Zero(joints);
-  StraightPart part;
-  part.byPosition = by.middleRows(1, joints).transpose();
-  part.byTravel = by.middleRows(1 + joints, joints).transpose();
-  part.bySensor = by.bottomRows(sensors).transpose();
-  return part;
+  return {by.middleRows(1, joints).transpose(), by.middleRows(1 + joints, joints).transpose(),
+          by.bottomRows(sensors).transpose()};
 }
 
 }  // namespace mm

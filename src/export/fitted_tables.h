@@ -1,7 +1,6 @@
 #pragma once
 #include <Eigen/Core>
 #include <functional>
-#include <string>
 #include <vector>
 
 #include "export/needed_correction.h"

@@ -14,11 +14,10 @@ Eigen::SparseMatrix<double> hats(const std::vector<double>& points, const std::v
   std::vector<Eigen::Triplet<double>> weights;
   for (std::size_t n = 0; n < at.size(); ++n) {
     const auto [i, share] = placeAmong(points, at[n]);
-    weights.emplace_back(static_cast<int>(n), static_cast<int>(i), 1.0 - share);
-    weights.emplace_back(static_cast<int>(n), static_cast<int>(i) + 1, share);
+    weights.emplace_back(n, i, 1.0 - share);
+    weights.emplace_back(n, i + 1, share);
   }
-  Eigen::SparseMatrix<double> matrix(static_cast<Eigen::Index>(at.size()),
-                                     static_cast<Eigen::Index>(points.size()));
+  Eigen::SparseMatrix<double> matrix(at.size(), points.size());
   matrix.setFromTriplets(weights.begin(), weights.end());
   return matrix;
 }
@@ -33,8 +32,7 @@ std::pair<std::vector<double>, Eigen::MatrixXd> everySecond(const std::vector<do
   std::vector<double> some;
   for (std::size_t n = first; n < at.size(); n += 2) some.push_back(at[n]);
   Eigen::MatrixXd rows(some.size(), samples.cols());
-  for (Eigen::Index n = 0; n < rows.rows(); ++n)
-    rows.row(n) = samples.row(2 * n + static_cast<Eigen::Index>(first));
+  for (Eigen::Index n = 0; n < rows.rows(); ++n) rows.row(n) = samples.row(2 * n + first);
   return {some, rows};
 }
 
@@ -43,11 +41,10 @@ std::pair<std::vector<double>, Eigen::MatrixXd> everySecond(const std::vector<do
 std::vector<double> samplesWithin(const std::vector<double>& points, int aStep) {
   // Not by a rule such as the golden section: a period may agree with that, too, and pass for a slow curve.
   std::mt19937_64 random(kPlacesSeed);
-  const std::size_t count = (points.size() - 1) * static_cast<std::size_t>(aStep);
-  const double part = (points.back() - points.front()) / static_cast<double>(count);
+  const std::size_t count = (points.size() - 1) * aStep;
+  const double part = (points.back() - points.front()) / count;
   std::vector<double> at;
-  for (std::size_t k = 0; k < count; ++k)
-    at.push_back(points.front() + (static_cast<double>(k) + unitRandom(random)) * part);
+  for (std::size_t k = 0; k < count; ++k) at.push_back(points.front() + (k + unitRandom(random)) * part);
   return at;
 }
 

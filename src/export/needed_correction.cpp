@@ -155,11 +155,11 @@ Eigen::Vector3d NeededCorrection::displacement(const State& state) const {
 
 Eigen::MatrixXd NeededCorrection::uncertain(const std::vector<State>& states) const {
   const Eigen::MatrixXd root = rootOfCovariance(covariance_);
-  Eigen::MatrixXd changes(3 * static_cast<Eigen::Index>(states.size()), root.cols());
+  Eigen::MatrixXd changes(3 * states.size(), root.cols());
   Eigen::Matrix<double, 6, Eigen::Dynamic> byParameter(6, parameters_.size());
   for (std::size_t n = 0; n < states.size(); ++n) {
     truePosition(states[n], &byParameter);
-    changes.middleRows<3>(3 * static_cast<Eigen::Index>(n)) = byParameter.topRows<3>() * root;
+    changes.middleRows<3>(3 * n) = byParameter.topRows<3>() * root;
   }
   return changes;
 }
@@ -177,7 +177,7 @@ Eigen::Vector3d NeededCorrection::missed(const State& command, const std::vector
 }
 
 Eigen::VectorXd NeededCorrection::activeAt(const State& command) const {
-  Eigen::VectorXd added = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(axes_.size()));
+  Eigen::VectorXd added = Eigen::VectorXd::Zero(axes_.size());
   if (!active_) return added;
   const std::map<std::string, double> found = active_->adds(commandOf(command));
   for (const ExportAxis& axis : axes_) added[axis.joint] = found.at(axis.letter);
@@ -219,7 +219,7 @@ Eigen::VectorXd NeededCorrection::at(const State& command) const {
 CommandedState NeededCorrection::commandOf(const State& state) const {
   CommandedState command;
   for (const ExportAxis& axis : axes_) {
-    const auto j = static_cast<std::size_t>(axis.joint);
+    const int j = axis.joint;
     command.position[axis.letter] = state.position[j];
     command.direction[axis.letter] = state.travel[j] > 0.0 ? 1 : state.travel[j] < 0.0 ? -1 : 0;
   }

@@ -7,7 +7,6 @@
 #include "base/quantity_words.h"
 #include "base/rotation.h"
 #include "base/text.h"
-#include "base/units.h"
 #include "effects/inputs.h"
 #include "effects/iso230_symbol.h"
 #include "export/export_folder.h"
@@ -35,7 +34,7 @@ Eigen::MatrixXd aligned(const Eigen::MatrixXd& errors, const std::vector<Eigen::
   double size = 1e-9;
   for (const Eigen::Vector3d& p : places) size = std::max(size, (p - centre).norm());
   for (std::size_t n = 0; n < places.size(); ++n) {
-    const auto row = 3 * static_cast<Eigen::Index>(n);
+    const Eigen::Index row = 3 * n;
     rigid.block<3, 3>(row, 0).setIdentity();
     if (!rotated) continue;
     rigid.block<3, 3>(row, 3) = skew((centre - places[n]) / size);
@@ -60,7 +59,7 @@ double meanSquare(const Eigen::VectorXd& errors, int direction) {
 double rms(const Eigen::VectorXd& errors, const std::vector<int>& directions) {
   double sum = 0.0;
   for (const int d : directions) sum += meanSquare(errors, d);
-  return directions.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(directions.size()));
+  return directions.empty() ? 0.0 : std::sqrt(sum / directions.size());
 }
 
 std::string nameOf(int direction) { return std::string(1, static_cast<char>('x' + direction)); }
@@ -132,7 +131,7 @@ ExportFigures figuresOf(const Driven& driven) {
 LeftOfModel leftOf(const Eigen::VectorXd& errors, const Eigen::MatrixXd& byRoot,
                    const std::vector<int>& directions) {
   const auto places = byRoot.rows() / 3;
-  const double count = static_cast<double>(places * static_cast<Eigen::Index>(directions.size()));
+  const double count = places * directions.size();
   Eigen::MatrixXd products = Eigen::MatrixXd::Zero(byRoot.cols(), byRoot.cols());
   Eigen::VectorXd across = Eigen::VectorXd::Zero(byRoot.cols());
   for (const int d : directions) {
@@ -287,7 +286,7 @@ Representability representability(const Calibration& calibration, const ExportTa
   for (const ExportAxis& axis : needed.axes()) result.letters[axis.name] = axis.letter;
   result.sensors = exported.sensors;
   result.files = exported.files;
-  const auto count = static_cast<int>(calibration.effects.size());
+  const int count = calibration.effects.size();
   const auto tell = [&](const std::string& what, int done) {
     if (progress) progress(what, (done + 1.0) / (count + 1.0));
   };

@@ -1,10 +1,8 @@
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "base/format.h"
 #include "base/tiny.h"
-#include "base/units.h"
 #include "export/fitted_tables.h"
 #include "export/targets.h"
 

@@ -2,7 +2,6 @@
 #include <limits>
 
 #include "base/dense.h"
-#include "base/format.h"
 #include "base/grid_values.h"
 #include "base/rotation.h"
 #include "base/units.h"
@@ -34,9 +33,8 @@ struct Chain {
     tip = machine.nominal(zero.data(), beam).position;
     Eigen::Vector3d last = Eigen::Vector3d::Zero();
     for (std::size_t j = 0; j < zero.size(); ++j) {
-      const auto column = static_cast<Eigen::Index>(j);
       const bool linear = machine.joints()[j].kind == JointKind::kLinear;
-      const Eigen::Vector3d v = jacobian.block<3, 1>(0, column), about = jacobian.block<3, 1>(3, column);
+      const Eigen::Vector3d v = jacobian.block<3, 1>(0, j), about = jacobian.block<3, 1>(3, j);
       direction.push_back(linear ? v : about);
       // A linear joint may stand anywhere; of a rotary one the point of its axis that is nearest to the tip.
       if (!linear) last = tip - v.cross(about);
@@ -94,10 +92,9 @@ std::vector<State> statesFor(const NeededCorrection& needed) {
 Eigen::MatrixXd errorsOf(const NeededCorrection& needed, const Chain& chain, int joint,
                          const std::vector<double>& at) {
   std::vector<State> states = statesFor(needed);
-  const auto j = static_cast<std::size_t>(joint);
   const auto displaced = [&](State& s, double position, double travel) {
-    s.position[j] = position;
-    s.travel[j] = travel;
+    s.position[joint] = position;
+    s.travel[joint] = travel;
     return needed.missed(s, s.position);  // of the machine without any compensation
   };
   std::vector<Eigen::Vector3d> reference;
@@ -122,8 +119,7 @@ Eigen::MatrixXd errorsOf(const NeededCorrection& needed, const Chain& chain, int
 Eigen::MatrixXd fittedErrors(const NeededCorrection& needed, const Chain& chain, const LineTable& table) {
   const std::vector<double> at = samplesWithin(table.at, table.samplesAStep);
   Eigen::MatrixXd values = hatOrLineFit(table.at, at, errorsOf(needed, chain, table.input, at));
-  const auto [place, share] = placeAmong(table.at, needed.reference(table.input));
-  const auto before = static_cast<Eigen::Index>(place);
+  const auto [before, share] = placeAmong(table.at, needed.reference(table.input));
   const Eigen::RowVectorXd there = (1.0 - share) * values.row(before) + share * values.row(before + 1);
   const Eigen::RowVectorXd zero = 0.5 * (there.head(6) + there.tail(6));
   values.leftCols(6).rowwise() -= zero;
@@ -139,7 +135,7 @@ std::string chainTable(const NeededCorrection& needed, const Chain& chain) {
   };
   Eigen::Vector3d last = Eigen::Vector3d::Zero();
   for (const ExportAxis& axis : needed.axes()) {
-    const auto j = static_cast<std::size_t>(axis.joint);
+    const int j = axis.joint;
     text += axis.letter + (axis.kind == JointKind::kLinear ? ",linear" : ",rotary") +
             vector(chain.direction[j], 9) + vector((chain.origin[j] - last) / kMillimetre, 6) +
             ",fixed_side\n";

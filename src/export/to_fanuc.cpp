@@ -83,8 +83,7 @@ double activeInterval(const NeededCorrection& needed, const ExportAxis& axis, do
   const std::vector<double> points = needed.activePoints(axis.joint);
   if (points.size() < 2) return 0.0;
   const double step = points[1] - points[0];
-  const bool equal =
-      std::abs(points.back() - points[0] - static_cast<double>(points.size() - 1) * step) < kOfAWhole * step;
+  const bool equal = std::abs(points.back() - points[0] - (points.size() - 1) * step) < kOfAWhole * step;
   return equal && step > least * (1.0 - kOfAWhole) && length / step < kFanucSections - 1 + kOfAWhole ? step
                                                                                                      : 0.0;
 }
@@ -118,7 +117,7 @@ Pitch pitchOf(const NeededCorrection& needed, const ExportAxis& axis, const Line
   addActiveSteps(needed, axis, pitch, curve);
   long most = 0;
   for (pitch.magnification = 1; pitch.magnification <= kMostMagnification; ++pitch.magnification) {
-    pitch.increments = incrementsOf(curve, pitch.mean, unit * static_cast<double>(pitch.magnification));
+    pitch.increments = incrementsOf(curve, pitch.mean, unit * pitch.magnification);
     most = 0;
     for (const long increment : pitch.increments) most = std::max(most, std::abs(increment));
     if (most <= kMostIncrement) return pitch;

@@ -16,7 +16,7 @@ std::string comTable(const LineTable& table, const std::string& name,
   std::string text = "BEGIN " + name + " MM\nNR AXISPOS BACKLASH";
   for (const ExportAxis* axis : axes) text += " " + capital(axis->letter);
   text += "\n";
-  const auto own = static_cast<std::size_t>(table.input);
+  const int own = table.input;
   for (std::size_t i = 0; i < table.at.size(); ++i) {
     // The control is told the error, and takes it from the position.
     text += format("%zu %s %s", i, fixed(table.at[i] / kMillimetre, 4).c_str(),

@@ -68,13 +68,12 @@ int hottest(const NeededCorrection& needed, const PrinterTerms& terms, int z) {
   int best = -1;
   double most = kMeshLeast;
   for (std::size_t k = 0; k < d.sensors.size(); ++k) {
-    const auto column = static_cast<Eigen::Index>(k);
-    if (std::abs(terms.active.bySensor(z, column)) > kLeastByHeat) return static_cast<int>(k);
-    const double by = std::abs(terms.adds.bySensor(z, column));
+    if (std::abs(terms.active.bySensor(z, k)) > kLeastByHeat) return k;
+    const double by = std::abs(terms.adds.bySensor(z, k));
     const double range = d.sensorUpper[k] - d.sensorLower[k];
     if (by < kLeastByHeat || !(by * range > most)) continue;
     most = by * range;
-    best = static_cast<int>(k);
+    best = k;
   }
   return best;
 }
@@ -110,16 +109,14 @@ Exported toKlipper(const NeededCorrection& needed, const ExportOptions&) {
   const int sensor = z == nullptr ? -1 : hottest(needed, terms, z->joint);
   if (sensor >= 0) {
     const Domain& d = needed.model().domain();
-    const auto k = static_cast<std::size_t>(sensor);
     const double added = terms.adds.bySensor(z->joint, sensor);
     changesZ = changesZ || std::abs(added) > kLeastByHeat;
     zConfig += format(
         "[z_thermal_adjust]\ntemp_coeff: %.9f\nsmooth_time: 2\nsensor_type: Generic 3950\n"
         "sensor_pin: PF3\nmin_temp: 0\nmax_temp: 100\n",
         -(added + terms.active.bySensor(z->joint, sensor)) / kMillimetre);
-    zStart +=
-        "SET_Z_THERMAL_ADJUST ENABLE=1 REF_TEMP=" + fixed(0.5 * (d.sensorLower[k] + d.sensorUpper[k]), 3) +
-        "\n";
+    zStart += "SET_Z_THERMAL_ADJUST ENABLE=1 REF_TEMP=" +
+              fixed(0.5 * (d.sensorLower[sensor] + d.sensorUpper[sensor]), 3) + "\n";
   }
   if (changesZ) {
     out.axes.insert("z");
