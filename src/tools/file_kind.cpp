@@ -8,6 +8,7 @@
 
 #include "base/read_file.h"
 #include "base/text.h"
+#include "design/moves.h"
 
 namespace mm {
 namespace {
@@ -49,7 +50,7 @@ FileKind kindOfYaml(const std::string& text) {
   if (has("checksum") || has("covariance_si")) return FileKind::kCalibration;
   if (has("hidden") && has("features_mm")) return FileKind::kTruth;
   if (has("trial") && has("correction_on")) return FileKind::kKey;
-  if (has("moves") && startsWith(text, "name: next_measurement\n")) return FileKind::kMoves;
+  if (has("moves") && startsWith(text, kMovesBegin)) return FileKind::kMoves;
   for (const char* key : {"touch", "postures", "reference", "moves"})
     if (has(key)) return FileKind::kPlan;
   if (has("effects")) return FileKind::kModel;

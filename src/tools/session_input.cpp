@@ -107,7 +107,7 @@ CalibrateOptions FitOptions::checked() const {
   CalibrateOptions options = calibrate;
   if (repeatability > 0.0) options.repeatability = repeatability * kMicrometre;
   options.rejectOutliers = !keepOutliers;
-  options.cancelled = [] { return Interrupt::asked(); };
+  options.cancelled = Interrupt::asked;
   return options;
 }
 

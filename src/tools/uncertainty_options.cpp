@@ -150,7 +150,7 @@ TaskUncertainty taskUncertaintyOf(const Calibration& calibration, const Uncertai
   const std::unique_ptr<MeasurementTask> task = makeTask(options.task, how, model);
   const VirtualMachine machine(calibration, *task, conditions);
   TaskUncertainty result;
-  const CancelScope cancel([] { return Interrupt::asked(); });
+  const CancelScope cancel(Interrupt::asked);
   Threads(options.threads).run([&] { result = taskUncertainty(*task, machine, options.trials); });
   return result;
 }
