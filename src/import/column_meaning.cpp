@@ -277,22 +277,21 @@ class TableUnderstander {
       return;
     }
     const std::string plain = shownText(joined(wordsOf(splitUnit(name).stem), "_"));
-    std::string as = !near.empty() ? near : "ignore", or_ = "";
-    if (near.empty())
-      or_ = ", or state what it contains (joints: " + joints() + "; " + plain + "_<unit> of anything else)";
-    const bool measured = names_.classesOf(wordsOf(name)).first.count(WordClass::kMeasured) > 0;
-    const bool small = unit && unit->ofAGauge();
-    if (near.empty() && !measured && small && context_.axis >= 0) {
+    std::string as = "ignore", or_ = ", or state what it contains (joints: " + joints() + "; " + plain +
+                                     "_<unit> of anything else)";
+    if (!near.empty()) {
+      as = near;
+      or_.clear();
+    } else if (names_.classesOf(wordsOf(name)).first.count(WordClass::kMeasured) > 0) {
+      as = "measured_" + machine_.joints()[std::max(0, context_.axis)].name + "_mm";
+    } else if (unit && unit->ofAGauge() && context_.axis >= 0) {
       const std::string of = machine_.joints()[context_.axis].name + "_" + unit->symbol;
       as = "deviation_" + of;
       or_ = " (true minus indicated; error_" + of + " for the other sign), or ignore";
-    } else if (near.empty() && !measured && unit &&
-               (unit->kind == UnitKind::kLength || unit->kind == UnitKind::kAngle)) {
+    } else if (unit && (unit->kind == UnitKind::kLength || unit->kind == UnitKind::kAngle)) {
       const std::string joint = freeJoint(unit->kind);
       if (!joint.empty()) as = joint + "_" + unit->symbol;
-    } else if (near.empty() && measured) {
-      as = "measured_" + machine_.joints()[std::max(0, context_.axis)].name + "_mm";
-    } else if (near.empty() && samples_[i].texts > 0 && !hasFeature_ && samples_[i].numbers == 0 &&
+    } else if (samples_[i].texts > 0 && !hasFeature_ && samples_[i].numbers == 0 &&
                import_.artifact != nullptr) {
       as = "feature";
       or_ = ", or ignore";

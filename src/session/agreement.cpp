@@ -66,7 +66,7 @@ Agreement Geometry::judge(const Change& change) const {
   if (approaches > 0) a.aligned = aligned / approaches;
   a.misfit = std::hypot(trimmed(within), layout(a.centres, names(), a));
   const double instrument = positions(change);
-  if (std::isfinite(instrument)) a.misfit = within.empty() ? instrument : std::hypot(a.misfit, instrument);
+  if (std::isfinite(instrument)) a.misfit = std::hypot(a.misfit, instrument);
   if (within.empty() && !std::isfinite(instrument)) a.misfit = kNotMeasured;
   return a;
 }
