@@ -20,16 +20,13 @@ std::vector<FoundFeature> foundFeatures(const CalibrationResult& result) {
           (unknown.kind == UnknownKind::kFeature && unknown.owner == feature))
         of.push_back(u);
     }
+    const Eigen::MatrixXd covariance = result.covariance(of, of);
     Eigen::MatrixXd by(3, of.size());
-    Eigen::MatrixXd covariance(of.size(), of.size());
     for (std::size_t i = 0; i < of.size(); ++i) {
       const double h = 1e-6;  // m or rad
       Eigen::VectorXd x = result.x;
       x[of[i]] += h;
       by.col(static_cast<Eigen::Index>(i)) = (problem.featureInWorkpiece(feature, placement, x) - at) / h;
-      for (std::size_t j = 0; j < of.size(); ++j)
-        covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
-            result.covariance(of[i], of[j]);
     }
     const Eigen::Matrix3d c = by * covariance * by.transpose();
     const int radius = problem.find(UnknownKind::kRadius, feature);

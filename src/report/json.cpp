@@ -79,24 +79,20 @@ Json observedJson(const CalibrationResult& result) {
                      {{"repeatability_from", result.repeatabilityFrom}}});
 }
 
-Json driftOfJoint(const Drift& drift, const Domain& domain) {
-  const bool turns = isRotary(domain, drift.direction);
-  return jsonObject({{{"direction", drift.direction}},
-                     underUnit(turns, "std", drift.std / unitOf(turns)),
-                     {{"time_constant_s", drift.timeConstant}}});
-}
-
-Json weakJson(const WeakDirection& weak, const Problem& problem) {
-  return {{"direction", directionJson(problem, weak.direction)},
-          {"times_median", weak.timesMedian},
-          {"in_words", weak.inWords}};
-}
-
 Json calibrationJson(const CalibrationResult& result, const std::vector<Doubt>& questions = {}) {
   const Problem& problem = *result.problem;
   const Model& model = problem.model();
-  const auto drift = [&](const Drift& d) { return driftOfJoint(d, model.domain()); };
-  const auto weak = [&](const WeakDirection& w) { return weakJson(w, problem); };
+  const auto drift = [&](const Drift& d) {
+    const bool turns = isRotary(model.domain(), d.direction);
+    return jsonObject({{{"direction", d.direction}},
+                       underUnit(turns, "std", d.std / unitOf(turns)),
+                       {{"time_constant_s", d.timeConstant}}});
+  };
+  const auto weak = [&](const WeakDirection& w) -> Json {
+    return {{"direction", directionJson(problem, w.direction)},
+            {"times_median", w.timesMedian},
+            {"in_words", w.inWords}};
+  };
   return jsonObject(
       {observedJson(result),
        result.repeated.dof > 0.0 ? Json{{"repeatability_dof", result.repeated.dof},

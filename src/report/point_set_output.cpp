@@ -185,20 +185,18 @@ Json determinedJson(const PointSet& set) {
           {"weak", jsonList(set.weak, weak)}};
 }
 
-Json postureJson(const ProposedPosture& p, const std::vector<Joint>& joints) {
-  Json one{{"feature", p.feature}};
-  for (std::size_t j = 0; j < joints.size(); ++j) {
-    const JointUnit unit = readingUnit(joints[j]);
-    one[joints[j].name + "_" + unit.symbol] = p.position[j] / unit.factor;
-  }
-  if (std::isfinite(p.laserReading)) one["reading_mm"] = p.laserReading / kMillimetre;
-  return one;
-}
-
 /// The postures that would help, and what the parameters would be determined to with them.
 Json adviceJson(const PointSet& set) {
   const std::vector<Joint>& joints = set.problem->session().machine.joints();
-  const auto posture = [&](const ProposedPosture& p) { return postureJson(p, joints); };
+  const auto posture = [&](const ProposedPosture& p) {
+    Json one{{"feature", p.feature}};
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      const JointUnit unit = readingUnit(joints[j]);
+      one[joints[j].name + "_" + unit.symbol] = p.position[j] / unit.factor;
+    }
+    if (std::isfinite(p.laserReading)) one["reading_mm"] = p.laserReading / kMillimetre;
+    return one;
+  };
   const auto gain = [](const PostureAdvice::Gain& g) -> Json {
     return {{"name", g.parameter}, {"std_before", g.before}, {"std_after", g.after}, {"unit", g.unit}};
   };

@@ -30,7 +30,8 @@ double stepOf(const std::vector<double>& values) {
 }
 
 /// The residuals of one kind, lengths or angles; null: there are none.
-Json sizesOfKind(const CalibrationResult& fit, const ResidualFigures& f, bool angular) {
+Json sizesOfKind(const CalibrationResult& fit, bool angular) {
+  const ResidualFigures& f = fit.figures;
   const SizeOfResiduals size = sizeOfResiduals(fit, angular);
   if (size.count == 0) return nullptr;
   const double unit = unitOf(angular);
@@ -46,37 +47,39 @@ Json sizesOfKind(const CalibrationResult& fit, const ResidualFigures& f, bool an
   return json;
 }
 
-Json namedFigures(const std::string& name, const std::string& note, const CalibrationResult* fit,
-                  const ResidualFigures& f) {
-  const Json whole = jsonObject({{{"name", name}, {"note", note}},
-                                 figuresJson(f, true),
-                                 {{"chi2_per_dof", orNull(f.degreesOfFreedom > 0, f.chi2PerDof)},
-                                  {"degrees_of_freedom", f.degreesOfFreedom}}});
-  if (fit == nullptr) return whole;
-  return jsonObject(
-      {whole, {{"outliers", fit->outliers.size()}}, sizesOfKind(*fit, f, false), sizesOfKind(*fit, f, true)});
+Json namedFigures(const std::string& name, const std::string& note, const ResidualFigures& f) {
+  return jsonObject({{{"name", name}, {"note", note}},
+                     figuresJson(f, true),
+                     {{"chi2_per_dof", orNull(f.degreesOfFreedom > 0, f.chi2PerDof)},
+                      {"degrees_of_freedom", f.degreesOfFreedom}}});
+}
+
+Json namedFit(const std::string& name, const std::string& note, const CalibrationResult& fit) {
+  return jsonObject({namedFigures(name, note, fit.figures),
+                     {{"outliers", fit.outliers.size()}},
+                     sizesOfKind(fit, false),
+                     sizesOfKind(fit, true)});
 }
 
 Json figures(const ReportContents& r) {
-  Json out = Json::array();
-  if (!r.diagnosis.base.problem) return out;
+  constexpr const char* kNoEffect = "no effect in the model";
   const CalibrationResult& base = r.diagnosis.base;
+  Json out = Json::array();
+  if (!base.problem) return out;
   if (!r.calibrated()) {
-    out.push_back(namedFigures("The machine as it is", "no effect in the model", &base, base.figures));
+    out.push_back(namedFit("The machine as it is", kNoEffect, base));
     return out;
   }
-  out.push_back(namedFigures("Nominal machine", "no effect in the model", r.nominal ? &*r.nominal : nullptr,
-                             r.nominal ? r.nominal->figures : base.before));
+  out.push_back(r.nominal ? namedFit("Nominal machine", kNoEffect, *r.nominal)
+                          : namedFigures("Nominal machine", kNoEffect, base.before));
   if (r.held)
-    out.push_back(
-        namedFigures("This calibration, values held",
-                     "is it still valid here? Only the artifact's pose, free centres and zeros are fitted",
-                     &*r.held, r.held->figures));
-  out.push_back(namedFigures("This calibration, refitted", "the same effects, values fitted to this session",
-                             &base, base.figures));
+    out.push_back(namedFit(
+        "This calibration, values held",
+        "is it still valid here? Only the artifact's pose, free centres and zeros are fitted", *r.held));
+  out.push_back(
+      namedFit("This calibration, refitted", "the same effects, values fitted to this session", base));
   if (r.improved)
-    out.push_back(namedFigures("With the named effects added", "what the diagnosis proposes", &*r.improved,
-                               r.improved->figures));
+    out.push_back(namedFit("With the named effects added", "what the diagnosis proposes", *r.improved));
   return out;
 }
 

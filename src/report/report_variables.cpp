@@ -138,9 +138,7 @@ void removeConstants(Rows& rows, const Eigen::MatrixXd& factors) {
   const auto n = static_cast<Eigen::Index>(rows.space.size());
   const Eigen::ArrayXd root = Eigen::Map<const Eigen::ArrayXd>(rows.weight.data(), n).sqrt();
   const Eigen::VectorXd whitened = root * Eigen::Map<const Eigen::ArrayXd>(rows.residual.data(), n);
-  Eigen::MatrixXd columns(n, factors.cols());
-  for (Eigen::Index i = 0; i < n; ++i)
-    columns.row(i) = root[i] * factors.row(rows.space[static_cast<std::size_t>(i)]);
+  const Eigen::MatrixXd columns = root.matrix().asDiagonal() * factors(rows.space, Eigen::all);
   const Eigen::ArrayXd left = whitened - columns * leastSquares(columns, whitened);
   rows.varying.resize(rows.space.size());
   Eigen::Map<Eigen::ArrayXd>(rows.varying.data(), n) = left / root;
@@ -224,15 +222,14 @@ void dropUnmeasured(Directions& directions) {
   constexpr double kTellsNothing = 0.02;  // of the largest factor of all
   if (directions.names.empty() || directions.factors.rows() == 0) return;
   const double least = kTellsNothing * directions.factors.cwiseAbs().maxCoeff();
-  Directions measured;
-  for (std::size_t d = 0; d < directions.names.size(); ++d) {
-    const Eigen::VectorXd column = directions.factors.col(static_cast<Eigen::Index>(d));
-    if (column.cwiseAbs().maxCoeff() < least) continue;
-    measured.names.push_back(directions.names[d]);
-    measured.factors.conservativeResize(column.size(), static_cast<Eigen::Index>(measured.names.size()));
-    measured.factors.rightCols<1>() = column;
+  std::vector<std::string> names;
+  std::vector<int> measured;
+  for (int d = 0; d < directions.factors.cols(); ++d) {
+    if (directions.factors.col(d).cwiseAbs().maxCoeff() < least) continue;
+    names.push_back(directions.names[static_cast<std::size_t>(d)]);
+    measured.push_back(d);
   }
-  directions = std::move(measured);
+  directions = {names, directions.factors(Eigen::all, measured)};
 }
 
 std::vector<VariableView> residualsByVariable(const CalibrationResult& fitted,

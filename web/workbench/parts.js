@@ -25,7 +25,7 @@ export function useTheme() {
 
 export function colours() {
   const style = getComputedStyle(document.documentElement);
-  return Object.fromEntries(["ink", "soft", "line", "card", "accent", "warm", "good", "bar", "paper", "blue"].map((name) => [name, style.getPropertyValue("--" + name).trim()]));
+  return Object.fromEntries(["ink", "soft", "line", "card", "accent", "blue"].map((name) => [name, style.getPropertyValue("--" + name).trim()]));
 }
 
 export const Tile = ({ label, value, note }) => h("div", { class: "tile" }, h("div", { class: "label" }, label), h("div", { class: "value" }, value), note ? h("div", { class: "label" }, note) : null);
