@@ -50,65 +50,49 @@ std::string chanceText(const BlindReport& r) {
          "wrong sign.";
 }
 
-/// A quantity of the blocks over their running number: SVG.
-class BlocksFigure {
- public:
-  BlocksFigure(const BlindReport& report, std::function<double(const TrialBlockFigures&)> value)
-      : report_(report), value_(std::move(value)) {
-    for (const TrialBlockFigures& block : report.blocks.blocks) {
-      low_ = std::min(low_, value_(block));
-      high_ = std::max(high_, value_(block));
-    }
-    if (!(high_ > low_)) high_ = low_ + 1.0;
-    high_ += kMargin * (high_ - low_);
-    if (low_ < 0.0) low_ -= kMargin * (high_ - low_);
+/// A quantity of the blocks over their running number: SVG. @param levels those in its range are marked.
+std::string blocksSvg(const BlindReport& report, const std::string& label, const std::vector<double>& levels,
+                      const std::function<double(const TrialBlockFigures&)>& value) {
+  constexpr double kWidth = 400, kHeight = 170, kLeft = 34, kRight = 8, kTop = 10, kBottom = 32;
+  constexpr double kMargin = 0.08;  // of the range
+  const std::vector<TrialBlockFigures>& blocks = report.blocks.blocks;
+  double low = 0.0, high = 0.0;
+  for (const TrialBlockFigures& block : blocks) {
+    low = std::min(low, value(block));
+    high = std::max(high, value(block));
   }
-
-  std::string svg(const std::string& label, const std::vector<double>& levels) const {
-    std::string svg = format("<svg viewBox=\"0 0 %.0f %.0f\" role=\"img\" aria-label=\"", kWidth, kHeight) +
-                      escapedHtml(label) + "\">";
-    for (const double level : levels) svg += levelLine(level);
-    const int count = static_cast<int>(report_.blocks.blocks.size());
-    for (int i = 0; i < count; ++i) svg += mark(report_.blocks.blocks[static_cast<std::size_t>(i)], i);
-    svg += format("<text x=\"%.0f\" y=\"%.1f\" text-anchor=\"middle\">block, in the order of time</text>",
-                  0.5 * (kLeft + kWidth), kHeight - 2.0);
-    return svg + "</svg>";
-  }
-
- private:
-  static constexpr double kWidth = 400, kHeight = 170, kLeft = 34, kRight = 8, kTop = 10, kBottom = 32;
-  static constexpr double kMargin = 0.08;  // of the range
-
-  double x(int i) const {
-    const double count = std::max<double>(1.0, static_cast<double>(report_.blocks.blocks.size()));
-    return kLeft + (i + 0.5) / count * (kWidth - kLeft - kRight);
-  }
-  double y(double value) const {
-    return kHeight - kBottom - (kHeight - kTop - kBottom) * (value - low_) / (high_ - low_);
-  }
-  std::string levelLine(double level) const {
-    if (level < low_ || level > high_) return {};
-    return format(
+  if (!(high > low)) high = low + 1.0;
+  high += kMargin * (high - low);
+  if (low < 0.0) low -= kMargin * (high - low);
+  const auto y = [&](double at) {
+    return kHeight - kBottom - (kHeight - kTop - kBottom) * (at - low) / (high - low);
+  };
+  std::string svg = format("<svg viewBox=\"0 0 %.0f %.0f\" role=\"img\" aria-label=\"", kWidth, kHeight) +
+                    escapedHtml(label) + "\">";
+  for (const double level : levels) {
+    if (level < low || level > high) continue;
+    svg += format(
         "<path class=\"zero\" d=\"M%.1f %.1fH%.1f\"/><text x=\"%.1f\" y=\"%.1f\" "
         "text-anchor=\"end\">%s</text>",
         kLeft, y(level), kWidth - kRight, kLeft - 4, y(level) + 3.5, shortNumber(level).c_str());
   }
-  std::string mark(const TrialBlockFigures& block, int i) const {
-    const double at = x(i), height = y(value_(block));
-    std::string svg =
-        format("<path class=\"bar\" d=\"M%.1f %.1fV%.1f\"/>", at, y(std::max(0.0, low_)), height);
-    svg += block.state == report_.on
-               ? format("<circle class=\"on\" cx=\"%.1f\" cy=\"%.1f\" r=\"5\"/>", at, height)
-               : format("<rect class=\"off\" x=\"%.1f\" y=\"%.1f\" width=\"9\" height=\"9\"/>", at - 4.5,
-                        height - 4.5);
-    return svg + format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%d</text>", at,
-                        kHeight - kBottom + 13, block.number);
+  double past = 0.5;  // blocks to the left of the middle of this one
+  for (const TrialBlockFigures& block : blocks) {
+    const double x = kLeft + past / static_cast<double>(blocks.size()) * (kWidth - kLeft - kRight);
+    const double top = y(value(block));
+    svg += format("<path class=\"bar\" d=\"M%.1f %.1fV%.1f\"/>", x, y(std::max(0.0, low)), top);
+    svg += block.state == report.on
+               ? format("<circle class=\"on\" cx=\"%.1f\" cy=\"%.1f\" r=\"5\"/>", x, top)
+               : format("<rect class=\"off\" x=\"%.1f\" y=\"%.1f\" width=\"9\" height=\"9\"/>", x - 4.5,
+                        top - 4.5);
+    svg += format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%d</text>", x, kHeight - kBottom + 13,
+                  block.number);
+    past += 1.0;
   }
-
-  const BlindReport& report_;
-  std::function<double(const TrialBlockFigures&)> value_;
-  double low_ = 0.0, high_ = 0.0;
-};
+  return svg +
+         format("<text x=\"%.0f\" y=\"%.1f\" text-anchor=\"middle\">block, in the order of time</text></svg>",
+                0.5 * (kLeft + kWidth), kHeight - 2.0);
+}
 
 /// Round levels up to the largest RMS, in its unit.
 std::vector<double> roundLevels(double largest) {
@@ -221,8 +205,10 @@ std::string blindPage(const BlindReport& r) {
   const double size = unitOf(r.blocks.angular);
   double largest = 0.0;
   for (const TrialBlockFigures& b : r.blocks.blocks) largest = std::max(largest, b.rms / size);
-  const BlocksFigure rms(r, [size](const TrialBlockFigures& b) { return b.rms / size; });
-  const BlocksFigure left(r, [](const TrialBlockFigures& b) { return b.remaining; });
+  const std::string rms = blocksSvg(r, "RMS of each block", roundLevels(largest),
+                                    [size](const TrialBlockFigures& b) { return b.rms / size; });
+  const std::string left = blocksSvg(r, "Share of the predicted error in each block", {-1.0, 0.0, 1.0, 2.0},
+                                     [](const TrialBlockFigures& b) { return b.remaining; });
   std::string html =
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
@@ -238,11 +224,9 @@ std::string blindPage(const BlindReport& r) {
     for (const std::string& remark : r.blocks.remarks) html += "<li>" + escapedHtml(remark) + "</li>";
     html += "</ul>\n";
   }
-  html += "<h2>Blocks</h2>" +
-          figureHtml(rmsName(r) + " / " + unit, rms.svg("RMS of each block", roundLevels(largest))) +
-          figureHtml("Share of the predicted error that is there",
-                     left.svg("Share of the predicted error in each block", {-1.0, 0.0, 1.0, 2.0}));
-  html += "<h2>Figures</h2>" + figuresTable(r) + blocksTable(r) +
+  html += "<h2>Blocks</h2>" + figureHtml(rmsName(r) + " / " + unit, rms) +
+          figureHtml("Share of the predicted error that is there", left) + "<h2>Figures</h2>" +
+          figuresTable(r) + blocksTable(r) +
           "<p class=\"soft\">The correction was switched at random, and the states were compared as A and B "
           "before the key was opened. " +
           (r.blocks.notJudged.empty() ? "" : escapedHtml(r.blocks.notJudged) + ". ") +
