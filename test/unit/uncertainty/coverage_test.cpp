@@ -110,7 +110,7 @@ TEST(Coverage, OfMachinesDrawnFromTheDistribution) {
       for (std::size_t k = 0; k < truth.values.size(); ++k)
         truth.values[k].value += shift[static_cast<Eigen::Index>(k)];
       std::vector<double> values(u.quantities.size());
-      measured->evaluate(measuredBy(truth, calibrated, *measured, random), values.data());
+      measured->figures(measuredBy(truth, calibrated, *measured, random), values.data());
       for (std::size_t q = 0; q < (ball ? 4U : 1U); ++q) {
         const bool covers =
             std::abs(values[q] - u.quantities[q].quantity.nominal) <= 2.0 * u.quantities[q].std;
