@@ -47,6 +47,14 @@ Simulation run(const std::string& hide, std::uint64_t seed = 1) {
   return simulate(machine(), plan(), request);
 }
 
+/// The instrument alone: who asks for its errors needs no session of it.
+SimulatedInstrument built(const std::string& hide, std::uint64_t seed) {
+  SimulationRequest request;
+  request.hide = {hide};
+  request.seed = seed;
+  return makeInstrument(machine(), plan(), request);
+}
+
 Eigen::Vector3d unitOf(const std::string& direction, const TrueState& state) {
   return direction == "approach" ? state.approach : Eigen::Vector3d::Unit(direction[0] - 'x');
 }
@@ -126,10 +134,11 @@ TEST(Uncatalogued, TheErrorDependsOnJustTheVariablesItStates) {
   const char* const joints[] = {"x", "y", "z"};
   constexpr double kNothing = 1e-13, kSomething = 2e-8;  // m, of an error of 2 um
   for (const UncataloguedKind& kind : uncataloguedKinds()) {
-    const Simulation s = run(kind.type + "=2um", 11);
+    const SimulatedInstrument s = built(kind.type + "=2um", 11);
     const UncataloguedTruth truth = uncataloguedTruth(s.hidden[0], machine());
-    ASSERT_EQ(s.truth->physics().sources.size(), 1u);
-    const Source& source = s.truth->physics().sources[0];
+    const Truth hidden = s.machine.truth();
+    ASSERT_EQ(hidden.physics().sources.size(), 1u);
+    const Source& source = hidden.physics().sources[0];
     const auto expect = [&](double change, const std::string& name, bool stated) {
       if (stated)
         EXPECT_GT(change, kSomething) << s.hidden[0].text() << " by " << name;
@@ -182,14 +191,15 @@ TEST(Uncatalogued, WhatWasHiddenCanBeHiddenAgainAndScales) {
     const Simulation first = run(kind.type, 5);
     HiddenSource twice = first.hidden[0];
     twice.numbers[0].value *= 2.0;
-    const Simulation again = run(twice.text(), 5);
+    const SimulatedInstrument again = built(twice.text(), 5);
+    const Truth larger = again.machine.truth();
     EXPECT_EQ(again.hidden[0].text(), twice.text());
     const std::vector<Condition> conditions = conditionsOf(first);
     const UncataloguedTruth truth = uncataloguedTruth(twice, machine());
     const double expected = std::abs(twice.numbers[0].value);
     for (std::size_t i = 0; i < conditions.size(); i += 37) {
       const double one = errorOf(first.truth->physics().sources[0], conditions[i], truth);
-      const double two = errorOf(again.truth->physics().sources[0], conditions[i], truth);
+      const double two = errorOf(larger.physics().sources[0], conditions[i], truth);
       EXPECT_NEAR(two, 2.0 * one, 0.01 * expected) << twice.text();
     }
   }
