@@ -17,7 +17,15 @@ constexpr std::size_t kLongSeries =
     8;  // from here on a segment has three points: two bad sessions are no change
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-/// Running sums of weights, weighted values and squares: level and chi2 of any segment in constant time.
+/// Sums over some points: their weighted mean, and what they scatter about it.
+struct WeightedSums {
+  double weight, wy, wyy;  // weights, and weighted values and squares from the origin
+  double origin;
+  double level() const { return origin + wy / weight; }
+  double chi2() const { return std::max(0.0, wyy - wy * wy / weight); }
+};
+
+/// Running sums: those of any segment in constant time.
 class SegmentSums {
  public:
   /// @param scatter variance between sessions.
@@ -32,26 +40,19 @@ class SegmentSums {
       wyy_.push_back(wyy_.back() + weight * y * y);
     }
   }
-  double weight(std::size_t a, std::size_t b) const { return w_[b] - w_[a]; }
-  double level(std::size_t a, std::size_t b) const { return origin_ + (wy_[b] - wy_[a]) / weight(a, b); }
-  double chi2(std::size_t a, std::size_t b) const {
-    const double sum = wy_[b] - wy_[a];
-    return std::max(0.0, wyy_[b] - wyy_[a] - sum * sum / weight(a, b));
+  /// Of [a, b).
+  WeightedSums of(std::size_t a, std::size_t b) const {
+    return {w_[b] - w_[a], wy_[b] - wy_[a], wyy_[b] - wyy_[a], origin_};
   }
-  /// The same of all but [i, j), with one level.
-  double weightAround(std::size_t i, std::size_t j) const {
-    return j == end() ? w_[i] : w_[end()] - weight(i, j);
-  }
-  double levelAround(std::size_t i, std::size_t j) const {
-    return origin_ + (wy_[end()] - wy_[j] + wy_[i]) / weightAround(i, j);
-  }
-  double chi2Around(std::size_t i, std::size_t j) const {
-    const double sum = wy_[end()] - wy_[j] + wy_[i];
-    return std::max(0.0, wyy_[end()] - wyy_[j] + wyy_[i] - sum * sum / weightAround(i, j));
+  WeightedSums all() const { return of(0, w_.size() - 1); }
+  /// Of all but [i, j), with one level.
+  WeightedSums around(std::size_t i, std::size_t j) const {
+    const std::size_t end = w_.size() - 1;
+    return {j == end ? w_[i] : w_[end] - (w_[j] - w_[i]), wy_[end] - wy_[j] + wy_[i],
+            wyy_[end] - wyy_[j] + wyy_[i], origin_};
   }
 
  private:
-  std::size_t end() const { return w_.size() - 1; }
   std::vector<double> w_, wy_, wyy_;
   double origin_;
 };
@@ -199,7 +200,7 @@ class TrendSearch {
       trend.kind = Trend::Kind::kDrift;
       trend.scatter = drift.scatter;
       trend.segments.push_back({first, first + part.size(), lineThrough(part, drift.scatter).level,
-                                std::sqrt(1.0 / sumsOf(part, drift.scatter).weight(0, part.size()))});
+                                std::sqrt(1.0 / sumsOf(part, drift.scatter).all().weight)});
     } else {
       trend.kind = Trend::Kind::kSteps;
       const bool single = best == worth(step);
@@ -231,14 +232,13 @@ class TrendSearch {
   }
   static double levelScatter(const Points& part) {
     return varianceBetween(part, part.size() - 1.0,
-                           [&](double scatter) { return sumsOf(part, scatter).chi2(0, part.size()); });
+                           [&](double scatter) { return sumsOf(part, scatter).all().chi2(); });
   }
   static TrendSegment segmentOf(const Points& part, std::size_t first, double scatter) {
-    const SegmentSums sums = sumsOf(part, scatter);
-    const double dof = part.size() - 1.0, chi2 = sums.chi2(0, part.size());
-    const double scale = dof > 0.0 ? std::max(1.0, chi2 / dof) : 1.0;
-    return {first, first + part.size(), sums.level(0, part.size()),
-            std::sqrt(scale / sums.weight(0, part.size()))};
+    const WeightedSums sums = sumsOf(part, scatter).all();
+    const double dof = part.size() - 1.0;
+    const double scale = dof > 0.0 ? std::max(1.0, sums.chi2() / dof) : 1.0;
+    return {first, first + part.size(), sums.level(), std::sqrt(scale / sums.weight)};
   }
   /// Twice the negative logarithm of the likelihood, and half the logarithm of the points twice an unknown.
   static double criterionOf(const Points& part, double scatter, double chi2, double unknowns) {
@@ -248,8 +248,9 @@ class TrendSearch {
   }
   /// The points [i, j) against all others: a step where they are the last ones.
   static Contrast contrast(const SegmentSums& sums, std::size_t i, std::size_t j) {
-    return {sums.level(i, j) - sums.levelAround(i, j),
-            1.0 / sums.weight(i, j) + 1.0 / sums.weightAround(i, j), sums.chi2(i, j) + sums.chi2Around(i, j)};
+    const WeightedSums these = sums.of(i, j), others = sums.around(i, j);
+    return {these.level() - others.level(), 1.0 / these.weight + 1.0 / others.weight,
+            these.chi2() + others.chi2()};
   }
 
   /// The place where the hypothesis stands out most, with the scatter about it: in turns until neither moves.
