@@ -105,7 +105,7 @@ LoadingEvidence::LoadingEvidence(const FreshPoints& points, const PointSystem& s
       calibration_(calibration),
       covariance_(covarianceOf(points, calibration)),
       byParameter_(system.whiten(points.byParameter())),
-      asCalibrated_(system.base(), beside({scattering(covariance_), unexplainedOf() * unitShapes()})) {}
+      asCalibrated_(system.base(), beside({scattering(covariance_), unexplainedShapes()})) {}
 
 Projection LoadingEvidence::changedSince() const {
   Eigen::MatrixXd covariance = covariance_;
@@ -135,25 +135,14 @@ Eigen::MatrixXd LoadingEvidence::scattering(const Eigen::MatrixXd& covariance) c
   return byParameter_ * rootOfCovariance(covariance);
 }
 
-Eigen::MatrixXd LoadingEvidence::unitShapes() const {
+Eigen::MatrixXd LoadingEvidence::unexplainedShapes() const {
   Eigen::MatrixXd shapes = system_.whiten(points_.shapes());
   for (Eigen::Index k = 0; k < shapes.cols(); ++k)
     if (shapes.col(k).norm() > 0.0) shapes.col(k) *= std::sqrt(points_.rows()) / shapes.col(k).norm();
-  return shapes;
-}
-
-/// As much of each shape as the calibration left unexplained, in units of the noise.
-double LoadingEvidence::unexplainedOf() const {
-  if (!(calibration_.repeatability > 0.0)) return 0.0;
-  const double shapes = std::max<double>(1.0, points_.shapes().cols());
-  return leftUnexplained(points_, system_, calibration_) / std::sqrt(shapes) /
-         (calibration_.repeatability * system_.white());
-}
-
-double LoadingEvidence::logMisfitOf(double left, int taken) const {
-  const double tested = freedoms() - system_.freedoms() - taken;
-  if (tested < 1.0) return 0.0;
-  return logPValueF((left - system_.leftByAll()) / tested / system_.noise(), tested, system_.freedoms());
+  if (!(calibration_.repeatability > 0.0)) return 0.0 * shapes;
+  const double count = std::max<double>(1.0, shapes.cols());
+  return leftUnexplained(points_, system_, calibration_) / std::sqrt(count) /
+         (calibration_.repeatability * system_.white()) * shapes;
 }
 
 Eigen::MatrixXd LoadingEvidence::ofEffect(std::size_t e) const {
@@ -205,7 +194,10 @@ Changes LoadingEvidence::changes(const LoadedHow& h) const {
     rank = bestRank;
   }
   Changes found;
-  found.unexplainedPValue = std::exp(logMisfitOf(left, rank));
+  const double tested = freedoms() - system_.freedoms() - rank;
+  if (tested >= 1.0)
+    found.unexplainedPValue =
+        std::exp(logPValueF((left - system_.leftByAll()) / tested / noise, tested, system_.freedoms()));
   found.score = h.logPrior - 0.5 * freedoms() * std::log(left) - 0.5 * rank * std::log(points_.rows()) -
                 chosen.size() * std::log(count);
   if (chosen.empty()) return found;

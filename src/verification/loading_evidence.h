@@ -35,10 +35,9 @@ class LoadingEvidence {
  private:
   Eigen::MatrixXd misses(const std::vector<LoadedHow>& all) const;
   Eigen::MatrixXd scattering(const Eigen::MatrixXd& covariance) const;
-  Eigen::MatrixXd unitShapes() const;
-  double unexplainedOf() const;
+  /// As much of each shape as the calibration left unexplained, in units of the noise.
+  Eigen::MatrixXd unexplainedShapes() const;
   double freedoms() const { return points_.length() - system_.base().cols(); }
-  double logMisfitOf(double left, int taken) const;
   Eigen::MatrixXd ofEffect(std::size_t e) const;
 
   const FreshPoints& points_;
