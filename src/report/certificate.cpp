@@ -27,32 +27,6 @@ std::string verifiedInWords(const CalibrationStore::Verified& v) {
          (v.session.empty() ? "" : " (" + v.session + ")");
 }
 
-}  // namespace
-
-std::optional<StoreRecord> storeRecord(const CalibrationStore& store, const Calibration& calibration) {
-  if (calibration.id.empty() || !store.keeps(calibration.id)) return std::nullopt;
-  StoreRecord record;
-  record.folder = store.folder().string();
-  record.active = store.linked("active") == calibration.id;
-  std::set<std::string> others;  // of another machine
-  for (const CalibrationStore::Entry& entry : store.history())
-    if (entry.damaged.empty() && entry.machine != calibration.machineName) others.insert(entry.id);
-  const auto promotions = store.promotions();
-  for (std::size_t i = 0; i < promotions.size(); ++i) {
-    if (others.count(promotions[i].id) > 0) continue;
-    record.events.push_back({promotions[i].time, promotions[i].id,
-                             promotions[i].action == "rollback" ? "made active again" : "made active",
-                             i + 1 < promotions.size() ? promotions[i + 1].time : std::string()});
-  }
-  for (const CalibrationStore::Verified& v : store.verifications())
-    if (others.count(v.id) == 0) record.events.push_back({v.time, v.id, verifiedInWords(v), {}});
-  std::stable_sort(record.events.begin(), record.events.end(),
-                   [](const StoreEvent& a, const StoreEvent& b) { return a.time < b.time; });
-  return record;
-}
-
-namespace {
-
 /// Correction and its covariance along one axis. @param j index of its joint. @param count even points over
 /// the calibrated range. @return no points where an input is not known.
 CorrectionCurve curveOver(const Compensator& compensator, const State& middle, std::size_t j,
@@ -97,6 +71,28 @@ bool follows(const CorrectionCurve& curve, const Compensator& compensator, const
 }
 
 }  // namespace
+
+std::optional<StoreRecord> storeRecord(const CalibrationStore& store, const Calibration& calibration) {
+  if (calibration.id.empty() || !store.keeps(calibration.id)) return std::nullopt;
+  StoreRecord record;
+  record.folder = store.folder().string();
+  record.active = store.linked("active") == calibration.id;
+  std::set<std::string> others;  // of another machine
+  for (const CalibrationStore::Entry& entry : store.history())
+    if (entry.damaged.empty() && entry.machine != calibration.machineName) others.insert(entry.id);
+  const auto promotions = store.promotions();
+  for (std::size_t i = 0; i < promotions.size(); ++i) {
+    if (others.count(promotions[i].id) > 0) continue;
+    record.events.push_back({promotions[i].time, promotions[i].id,
+                             promotions[i].action == "rollback" ? "made active again" : "made active",
+                             i + 1 < promotions.size() ? promotions[i + 1].time : std::string()});
+  }
+  for (const CalibrationStore::Verified& v : store.verifications())
+    if (others.count(v.id) == 0) record.events.push_back({v.time, v.id, verifiedInWords(v), {}});
+  std::stable_sort(record.events.begin(), record.events.end(),
+                   [](const StoreEvent& a, const StoreEvent& b) { return a.time < b.time; });
+  return record;
+}
 
 std::vector<CorrectionCurve> correctionCurves(const Calibration& calibration) {
   std::vector<CorrectionCurve> curves;

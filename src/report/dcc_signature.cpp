@@ -147,6 +147,34 @@ std::string pemOf(const std::vector<unsigned char>& der) {
   return pem + "-----END PUBLIC KEY-----\n";
 }
 
+DccSignature signatureIn(const XMLElement& root, const std::string& source) {
+  const std::size_t count = signaturesBelow(root);
+  if (count == 0) return {};
+  const XMLElement* signature = onlyChild(&root, "Signature");
+  const XMLElement* key =
+      signature == nullptr ? nullptr : onlyChild(onlyChild(signature, "KeyInfo"), "DEREncodedKeyValue");
+  if (count != 1 || signature == nullptr || signature != root.LastChildElement() ||
+      !coversTheDocument(*signature) || key == nullptr || key->GetText() == nullptr)
+    throw InputError(source +
+                     ": its signature does not cover the whole document in the form that mm writes; verify "
+                     "it with the program that signed it");
+  const std::vector<unsigned char> der = bytesOf(key->GetText());
+  DccSignature found;
+  found.there = true;
+  found.publicKey = pemOf(der);
+  found.fingerprint = fingerprintIn(found.publicKey, source);
+  const XMLElement* name = onlyChild(onlyChild(signature, "KeyInfo"), "KeyName");
+  if (name == nullptr || name->GetText() == nullptr || name->GetText() != found.fingerprint)
+    throw InputError(source +
+                     ": its signature names another key than it carries; ask the issuer for the original");
+  return found;
+}
+
+std::string textBelow(const XMLConstHandle& parent, const char* name) {
+  const XMLElement* element = parent.FirstChildElement(name).ToElement();
+  return element == nullptr || element->GetText() == nullptr ? std::string() : element->GetText();
+}
+
 }  // namespace
 
 SigningKey signingKeyOf(const std::string& pem, const std::string& source) {
@@ -210,38 +238,6 @@ void addSignatureTemplate(XMLElement& root, const SigningKey& key) {
   bytes->SetAttribute("xmlns:dsig11", kDerNamespace);
   bytes->SetText(key.publicKey.c_str());
 }
-
-namespace {
-
-DccSignature signatureIn(const XMLElement& root, const std::string& source) {
-  const std::size_t count = signaturesBelow(root);
-  if (count == 0) return {};
-  const XMLElement* signature = onlyChild(&root, "Signature");
-  const XMLElement* key =
-      signature == nullptr ? nullptr : onlyChild(onlyChild(signature, "KeyInfo"), "DEREncodedKeyValue");
-  if (count != 1 || signature == nullptr || signature != root.LastChildElement() ||
-      !coversTheDocument(*signature) || key == nullptr || key->GetText() == nullptr)
-    throw InputError(source +
-                     ": its signature does not cover the whole document in the form that mm writes; verify "
-                     "it with the program that signed it");
-  const std::vector<unsigned char> der = bytesOf(key->GetText());
-  DccSignature found;
-  found.there = true;
-  found.publicKey = pemOf(der);
-  found.fingerprint = fingerprintIn(found.publicKey, source);
-  const XMLElement* name = onlyChild(onlyChild(signature, "KeyInfo"), "KeyName");
-  if (name == nullptr || name->GetText() == nullptr || name->GetText() != found.fingerprint)
-    throw InputError(source +
-                     ": its signature names another key than it carries; ask the issuer for the original");
-  return found;
-}
-
-std::string textBelow(const XMLConstHandle& parent, const char* name) {
-  const XMLElement* element = parent.FirstChildElement(name).ToElement();
-  return element == nullptr || element->GetText() == nullptr ? std::string() : element->GetText();
-}
-
-}  // namespace
 
 bool isDcc(const std::string& content) {
   return !startsWith(content, "%PDF-") && !startsWith(content, "<!DOCTYPE html>") &&

@@ -221,23 +221,6 @@ std::string addLine(const EffectSpec& effect, const std::string& session, const 
          quoted(effect.yaml()) + " -o " + quoted(nextName(calibration));
 }
 
-}  // namespace
-
-std::string addCommand(const Diagnosis& d, const std::string& session, const std::string& calibration) {
-  const EffectSpec* next = nextToAdd(d);
-  return next == nullptr ? std::string() : addLine(*next, session, calibration);
-}
-
-std::string diagnoseCommand(const std::string& session, const std::string& calibration) {
-  return "mm diagnose " + bagsTyped(session) + " --calibration " + quoted(calibration);
-}
-
-std::string movesCommand(const std::string& session, const std::string& calibration) {
-  return diagnoseCommand(session, calibration) + " --moves moves.yaml";
-}
-
-namespace {
-
 /// The line to type where nothing is to be added, below what it is for.
 std::string afterwards(const Diagnosis& d, const std::string& session, const std::string& calibration) {
   if (d.verdict == Verdict::kQuestion)
@@ -277,6 +260,19 @@ std::string nextLines(const Diagnosis& d, const std::string& session, const std:
 }
 
 }  // namespace
+
+std::string addCommand(const Diagnosis& d, const std::string& session, const std::string& calibration) {
+  const EffectSpec* next = nextToAdd(d);
+  return next == nullptr ? std::string() : addLine(*next, session, calibration);
+}
+
+std::string diagnoseCommand(const std::string& session, const std::string& calibration) {
+  return "mm diagnose " + bagsTyped(session) + " --calibration " + quoted(calibration);
+}
+
+std::string movesCommand(const std::string& session, const std::string& calibration) {
+  return diagnoseCommand(session, calibration) + " --moves moves.yaml";
+}
 
 std::string errorText(const Diagnosis& d) {
   if (!d.base.problem) return {};
