@@ -16,7 +16,7 @@ class Demo(unittest.TestCase):
     def test_demo(self):
         folder = support.folder()
         self.addCleanup(support.remove, folder)
-        points = 24 if support.thorough_tests() else 6  # of the plan itself, or every day fewer
+        points = 24 if support.thorough_tests() else 8  # of the plan itself, or every day as few as reach as high as the check points
         plan = support.shorter_plan(os.path.join(folder, "plan.yaml"), points)
         demo = support.launch(support.free_port(), "demo.launch", "folder:=" + folder, "plan:=" + plan, *FAST)
         self.addCleanup(support.stop, demo)
