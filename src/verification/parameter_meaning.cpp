@@ -59,12 +59,9 @@ bool meansTheSame(const EffectSpec& effect, const Calibration& a, const Calibrat
   try {
     const Model first = one(a), second = one(b);
     if (first.parameterCount() != second.parameterCount()) return false;
-    const Eigen::VectorXd p = [&] {
-      Eigen::VectorXd values(first.parameterCount());
-      for (int i = 0; i < first.parameterCount(); ++i)
-        values[i] = first.parameter(i).start != 0.0 ? first.parameter(i).start : first.parameter(i).scale;
-      return values;
-    }();
+    Eigen::VectorXd p(first.parameterCount());
+    for (int i = 0; i < first.parameterCount(); ++i)
+      p[i] = first.parameter(i).start != 0.0 ? first.parameter(i).start : first.parameter(i).scale;
     Random random(1, "parameter meaning");
     Model::Workspace work;
     double difference = 0.0, size = 0.0;

@@ -61,13 +61,6 @@ std::string changesInWords(const Verification& v) {
   return list(all) + (more > 0 ? " and " + std::to_string(more) + " more" : "");
 }
 
-/// What follows the verdict "helped".
-std::string helpedInWords(const Verification& v, const std::string& figures) {
-  std::string text = (v.loaded ? "it helped: " : "it helps: ") + figures;
-  if (v.finding == "too_small") text += "; these points do not show which axis";
-  return text;
-}
-
 std::string noChangeInWords(const Verification& v, const std::string& figures) {
   if (v.finding == "too_small")
     return v.loaded ? "no change visible: these points cannot show whether it is loaded, " + figures
@@ -136,7 +129,9 @@ std::string moreLeftInWords(const Verification& v) {
 
 std::string headOf(const Verification& v, const std::vector<std::string>& names) {
   const std::string figures = figuresInWords(v);
-  if (v.verdict == VerifyVerdict::kHelped) return helpedInWords(v, figures);
+  if (v.verdict == VerifyVerdict::kHelped)
+    return (v.loaded ? "it helped: " : "it helps: ") + figures +
+           (v.finding == "too_small" ? "; these points do not show which axis" : "");
   if (v.verdict == VerifyVerdict::kNoChange) return noChangeInWords(v, figures);
   std::string text = causeInWords(v, names);
   if (v.verdict == VerifyVerdict::kWorse)
