@@ -101,10 +101,6 @@ std::map<std::string, std::vector<const FleetSeries*>> byQuantity(const Fleet& f
   return groups;
 }
 
-bool slopeIsKnown(const FleetSeries& s) {
-  return s.points.size() >= kFewestForTrend && s.trend.slopeStd > 0.0;
-}
-
 /// A machine's own scatter, found from few sessions, may be small by chance: none is taken to be known better
 /// than its sisters would be with as many sessions. @param amount of information that each has: its
 /// uncertainty falls with its root.
@@ -154,7 +150,7 @@ void compareSlopes(const std::vector<const FleetSeries*>& group, double alpha,
   std::vector<const FleetSeries*> known;
   std::vector<double> levers;
   for (const FleetSeries* s : group)
-    if (slopeIsKnown(*s)) {
+    if (s->points.size() >= kFewestForTrend && s->trend.slopeStd > 0.0) {
       known.push_back(s);
       sisters.push_back({s->machine, s->trend.slope, s->trend.slopeStd});
       levers.push_back(leverOf(*s));

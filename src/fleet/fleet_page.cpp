@@ -97,15 +97,11 @@ std::string panel(const FleetSeries& s, const Scale& scale, const Sisterhood& si
   return svg + "</svg></figure>\n";
 }
 
-Sisterhood levelsOf(const std::vector<const FleetSeries*>& group) {
-  std::vector<Sister> sisters;
-  for (const FleetSeries* s : group) sisters.push_back(presentOf(*s));
-  return sistersOf(sisters);
-}
-
 std::string multiples(const std::vector<const FleetSeries*>& group, const std::set<std::string>& found) {
   const Scale scale(group);
-  const Sisterhood sisters = levelsOf(group);
+  std::vector<Sister> present;
+  for (const FleetSeries* s : group) present.push_back(presentOf(*s));
+  const Sisterhood sisters = sistersOf(present);
   std::string html, quiet;
   std::size_t shown = 0, left = 0;
   for (const FleetSeries* s : group) {
