@@ -6,7 +6,7 @@
 
 #include "calibration_file/calibration.h"
 #include "calibration_file/calibration_store.h"
-#include "report/report_positioning.h"
+#include "report/iso_tests.h"
 #include "session/session.h"
 #include "uncertainty/task_verdict.h"
 

@@ -1,10 +1,8 @@
 #pragma once
 #include <vector>
 
+#include "report/iso_tests.h"
 #include "report/json_parts.h"
-#include "report/report_circle.h"
-#include "report/report_positioning.h"
-#include "report/report_thermal.h"
 #include "uncertainty/diagonal_tests.h"
 #include "uncertainty/length_tests.h"
 #include "uncertainty/rotation_tests.h"

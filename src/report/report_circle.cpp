@@ -1,11 +1,10 @@
-#include "report/report_circle.h"
-
 #include <Eigen/Core>
 #include <array>
 #include <cmath>
 #include <map>
 
 #include "base/units.h"
+#include "report/iso_tests.h"
 #include "uncertainty/residual_of.h"
 
 namespace mm {

@@ -1,11 +1,10 @@
-#include "report/report_positioning.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "base/erase_if.h"
 #include "base/format.h"
 #include "machine/joint_units.h"
+#include "report/iso_tests.h"
 
 namespace mm {
 namespace {

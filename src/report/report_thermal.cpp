@@ -1,10 +1,9 @@
-#include "report/report_thermal.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "base/range.h"
 #include "base/units.h"
+#include "report/iso_tests.h"
 #include "report/text_parts.h"
 
 namespace mm {

@@ -1,11 +1,10 @@
-#include "report/report_circle.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "base/units.h"
 #include "fitted_model.h"
+#include "report/iso_tests.h"
 #include "workflow/recalibration.h"
 
 namespace mm {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "fitted_model.h"
-#include "report/report_positioning.h"
+#include "report/iso_tests.h"
 #include "report/report_profiles.h"
 #include "report/report_variables.h"
 #include "report/report_vectors.h"

@@ -1,8 +1,8 @@
-#include "report/report_positioning.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "report/iso_tests.h"
 
 namespace mm {
 namespace {

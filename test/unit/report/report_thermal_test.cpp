@@ -1,8 +1,7 @@
-#include "report/report_thermal.h"
-
 #include <gtest/gtest.h>
 
 #include "fitted_model.h"
+#include "report/iso_tests.h"
 #include "report_sessions.h"
 #include "workflow/recalibration.h"
 
