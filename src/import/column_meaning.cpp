@@ -39,7 +39,7 @@ class TableUnderstander {
     form_.features = mapping_.features;
     findAxis();
     checkMapping();
-    form_.fixed = fixedReadings(import_, faults_);
+    form_.fixed = import_.fixed;
     lookAhead();
     if (layout_.headerLine == 0 && mapping_.columns.empty())
       nameless();

@@ -148,6 +148,25 @@ std::string alignedText(const std::vector<std::vector<std::string>>& rows) {
   return text;
 }
 
+/// Readings of joints without a column, m or rad.
+std::vector<std::pair<int, double>> fixedReadings(const ColumnMapping& mapping, const Machine& machine,
+                                                  ImportFaults& faults) {
+  std::vector<std::pair<int, double>> fixed;
+  for (const auto& [name, value] : mapping.fixed) {
+    const NameAndUnit split = splitUnit(name);
+    const int j = jointOf(machine, split.stem);
+    const auto kind = j >= 0 ? unitKindOf(machine, j) : UnitKind::kLength;
+    const auto unit = parseUnit(split.unitText, kind);
+    if (j >= 0 && unit)
+      fixed.emplace_back(j, value * unit->factor);
+    else
+      faults.add(mapping.source + ": fixed: '" + shownText(name) +
+                 "' is not <joint>_<unit> of this machine (" + jointNames(machine) + "); e.g. fixed: {" +
+                 machine.joints().front().name + "_mm: 12.5}");
+  }
+  return fixed;
+}
+
 }  // namespace
 
 const std::vector<ImportFormat>& importFormats() {
@@ -182,6 +201,7 @@ void importFile(const ImportRequest& request, const Machine& machine, const Arti
   imported.format = chosen->name;
   ImportFaults faults;
   ImportContext context{file, mapping, machine, artifact, faults, imported};
+  context.fixed = fixedReadings(mapping, machine, faults);
   chosen->read(context);
   imported.lacks = faults.lines();
   faults.throwIfAny();
@@ -254,12 +274,7 @@ Observation blankRow(const ImportContext& context, ObservationKind kind, std::si
     o.deviation.assign(joints, kNotMeasured);
     o.deviationStd.assign(joints, kNotMeasured);
   }
-  for (const auto& [name, value] : context.mapping.fixed) {
-    const NameAndUnit split = splitUnit(name);
-    const int j = jointOf(context.machine, split.stem);
-    const auto unit = parseUnit(split.unitText);
-    if (j >= 0 && unit) o.position[static_cast<std::size_t>(j)] = value * unit->factor;
-  }
+  for (const auto& [joint, reading] : context.fixed) o.position[static_cast<std::size_t>(joint)] = reading;
   return o;
 }
 

@@ -18,6 +18,7 @@ struct ImportContext {
   const Artifact* artifact;  // null: none was given
   ImportFaults& faults;
   Imported& imported;
+  std::vector<std::pair<int, double>> fixed = {};  // joints without a column, as the mapping says: m or rad
 
   void refuse(const std::string& what) const { faults.add(file.path().string() + ": " + what); }  ///< a fault
   /// A fault of one line (from 1).

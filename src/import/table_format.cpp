@@ -16,7 +16,8 @@ bool fitsTravels(const ImportContext& context, TableLayout layout, bool comma) {
   ImportFaults faults;
   Imported ignored;
   const TableForm form = understandTable(
-      {context.file, context.mapping, context.machine, context.artifact, faults, ignored}, layout);
+      {context.file, context.mapping, context.machine, context.artifact, faults, ignored, context.fixed},
+      layout);
   const std::vector<ColumnSample> samples = columnSamples(context.file, layout);
   bool any = false;
   for (const UnclearNumber& u : layout.marks.unclear) {

@@ -150,24 +150,6 @@ void settleRedundant(const ImportContext& context, const TableLayout& layout, Ta
 
 }  // namespace
 
-std::vector<std::pair<int, double>> fixedReadings(const ImportContext& context, ColumnFaults& faults) {
-  const Machine& machine = context.machine;
-  std::vector<std::pair<int, double>> fixed;
-  for (const auto& [name, value] : context.mapping.fixed) {
-    const NameAndUnit split = splitUnit(name);
-    const int j = jointOf(machine, split.stem);
-    const auto kind = j >= 0 ? unitKindOf(machine, j) : UnitKind::kLength;
-    const auto unit = parseUnit(split.unitText, kind);
-    if (j >= 0 && unit)
-      fixed.emplace_back(j, value * unit->factor);
-    else
-      faults.add(context.mapping.source + ": fixed: '" + shownText(name) +
-                 "' is not <joint>_<unit> of this machine (" + jointNames(machine) + "); e.g. fixed: {" +
-                 machine.joints().front().name + "_mm: 12.5}");
-  }
-  return fixed;
-}
-
 void completeTable(const ImportContext& context, const TableLayout& layout,
                    const std::vector<ColumnSample>& samples, TableForm& form, ColumnFaults& faults) {
   const Machine& machine = context.machine;

@@ -39,6 +39,7 @@ class SimulatedMachine {
   const std::vector<double>& velocity() const { return velocity_; }  ///< m/s or rad/s
   const std::vector<double>& travel() const { return travel_; }  ///< -1, +1 of the last motion; 0: none yet
   const Machine& machine() const { return machine_; }            ///< nominal
+  /// As the plan has them.
   const InstrumentSettings& settings() const { return settings_; }
 
   /// From now on the controller corrects what it is told by a table; its readings stay the commanded ones.

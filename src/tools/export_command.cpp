@@ -12,6 +12,7 @@
 #include "tools/bounds.h"
 #include "tools/commands.h"
 #include "tools/exit_status.h"
+#include "tools/interrupt.h"
 #include "tools/one_line.h"
 #include "tools/output_files.h"
 #include "tools/progress_bar.h"
@@ -60,7 +61,7 @@ int runExport(ExportCommand& c) {
     ProgressBar bar("exporting");
     judged = representability(calibration, target, options, needed, exported,
                               [&](const std::string& what, double share) {
-                                bar.callback()(share);
+                                Interrupt::check();
                                 bar.show(share, what);
                               });
   }

@@ -13,6 +13,7 @@ struct SensorCandidates {
   Eigen::VectorXd displacement;
   double micrometres = 1.0;  // um (arcsec for a rotary axis) of one unit of the displacement
 
+  /// Of a candidate, as the series names its column.
   const std::string& name(int sensor) const { return names[static_cast<std::size_t>(sensor)]; }
   /// Several sensors, "a + b".
   std::string namesOf(const std::vector<int>& sensors, const std::string& between = " + ") const;

@@ -86,13 +86,13 @@ std::string told(const Diagnosis& d) {
   return text;
 }
 
-int seeds() {
+int seedCount() {
   if (mm_test::longTests()) return 8;
   return mm_test::thoroughTests() ? 2 : 1;
 }
 
 /// As many in a thorough run at least; every day the first.
-int seeds(int thorough) { return mm_test::thoroughTests() ? std::max(thorough, seeds()) : 1; }
+int seedCount(int thorough) { return mm_test::thoroughTests() ? std::max(thorough, seedCount()) : 1; }
 
 /// It was told as 0.05 um where drift that was not spoken of, quicker than the measurements, had taken it.
 void knowsTheNoise(const Diagnosis& d) {
@@ -102,7 +102,7 @@ void knowsTheNoise(const Diagnosis& d) {
 
 /// No wave is claimed, and what is claimed predicts what was not used.
 void isNoWave(const Error& error, int targets, double most) {
-  for (int seed = 1; seed <= seeds(); ++seed) {
+  for (int seed = 1; seed <= seedCount(); ++seed) {
     const Diagnosis d = diagnosisOf(error, targets, static_cast<std::uint64_t>(seed));
     knowsTheNoise(d);
     EXPECT_FALSE(d.missing.empty() && d.profiles.empty() && d.artifactScatter.empty()) << told(d);
@@ -133,7 +133,7 @@ TEST(LocalError, ABendIsNoWaveLongerThanTheTravel) {
 // before: one of its aliases in most sessions, 0.77 or 0.83 mm
 TEST(LocalError, AWaveHasTheLongestOfThePeriodsThatLookTheSame) {
   for (const int targets : {21, 41})
-    for (int seed = 1; seed <= seeds(); ++seed) {
+    for (int seed = 1; seed <= seedCount(); ++seed) {
       const Diagnosis d = diagnosisOf(wave, targets, static_cast<std::uint64_t>(seed));
       knowsTheNoise(d);
       ASSERT_EQ(d.missing.size(), 1u) << told(d);
@@ -152,7 +152,7 @@ TEST(LocalError, AWaveHasTheLongestOfThePeriodsThatLookTheSame) {
 
 // Readings to 1 um of a noise of 0.35 um: it ended in a profile of 1e-145 um, and a noise of 1e-152 um
 TEST(LocalError, CoarseReadingsAreNoPerfectOnes) {
-  for (int seed = 1; seed <= seeds(); ++seed) {
+  for (int seed = 1; seed <= seedCount(); ++seed) {
     RandomNumbers random(static_cast<std::uint64_t>(seed));
     Session session = sessionOf(0.5e-6);
     double time = 0.0;
@@ -194,7 +194,7 @@ std::vector<double> unequalTargets(int count, RandomNumbers& random, bool rounde
 // A screw of 0.5 mm on 31 unequal targets 1.3 mm apart: its wave was not asked, and longer ones were told; of
 // targets that are multiples of 0.1 mm neither
 TEST(LocalError, AScrewOfShortLeadIsFoundOnUnequalTargets) {
-  for (int seed = 1; seed <= std::max(2, seeds()); ++seed) {
+  for (int seed = 1; seed <= std::max(2, seedCount()); ++seed) {
     RandomNumbers random(static_cast<std::uint64_t>(seed));
     const std::vector<double> targets = unequalTargets(31, random, seed % 2 == 0);
     Session session = sessionOf(kReadingNoise);
@@ -213,7 +213,7 @@ TEST(LocalError, AScrewOfShortLeadIsFoundOnUnequalTargets) {
 
 // Errors that differ from target to target by chance: the best of a thousand waves was told of them
 TEST(LocalError, WhatDiffersFromTargetToTargetByChanceIsNoWave) {
-  for (int seed = 1; seed <= seeds(2); ++seed) {
+  for (int seed = 1; seed <= seedCount(2); ++seed) {
     RandomNumbers random(static_cast<std::uint64_t>(seed));
     const std::vector<double> targets = unequalTargets(21, random, seed % 2 == 0);
     std::vector<double> errors(targets.size());
@@ -234,7 +234,7 @@ TEST(LocalError, WhatDiffersFromTargetToTargetByChanceIsNoWave) {
 
 // Graduation errors beside a backlash: a wave of 1.144 mm among 505 at 41 targets, 20 to 1
 TEST(LocalError, GraduationErrorsAreNoWave) {
-  for (int seed = 1; seed <= seeds(2); ++seed) {
+  for (int seed = 1; seed <= seedCount(2); ++seed) {
     RandomNumbers random(static_cast<std::uint64_t>(seed));
     const std::vector<double> targets = unequalTargets(41, random, seed % 2 == 0);
     std::vector<double> errors(targets.size());
@@ -253,7 +253,7 @@ TEST(LocalError, GraduationErrorsAreNoWave) {
 // A nut that loosens: what its backlash has more at the end was told as a cycle in time of the period of the
 // runs
 TEST(LocalError, ABacklashThatGrowsIsNoCycleInTime) {
-  for (int seed = 1; seed <= seeds(); ++seed) {
+  for (int seed = 1; seed <= seedCount(); ++seed) {
     RandomNumbers random(static_cast<std::uint64_t>(seed));
     Session session = sessionOf(0.5e-6);
     std::vector<double> targets;
@@ -272,7 +272,7 @@ TEST(LocalError, ABacklashThatGrowsIsNoCycleInTime) {
 
 // One reversal, and of the first targets the direction is not known: a jump at the reversal won by these rows
 TEST(LocalError, AReversalValueIsNoJumpWhereTheFirstDirectionIsNotKnown) {
-  for (int seed = 1; seed <= seeds(); ++seed) {
+  for (int seed = 1; seed <= seedCount(); ++seed) {
     RandomNumbers random(static_cast<std::uint64_t>(seed));
     Session session = sessionOf(kReadingNoise);
     double time = 0.0;
@@ -339,7 +339,7 @@ TEST(LocalError, ReadingsOneAfterTheOtherAreOneVisit) {
 // A zero that is lost a little more with each run, in both directions: drift and a backlash against it were
 // told
 TEST(LocalError, AZeroThatShiftsFromRunToRunIsNoBacklash) {
-  for (int seed = 1; seed <= seeds(2); ++seed) {
+  for (int seed = 1; seed <= seedCount(2); ++seed) {
     RandomNumbers random(static_cast<std::uint64_t>(seed));
     const std::vector<double> targets = unequalTargets(15, random, false);
     Session session = sessionOf(0.3e-6);
@@ -356,7 +356,7 @@ TEST(LocalError, AZeroThatShiftsFromRunToRunIsNoBacklash) {
 
 // Each pass has a zero of its own, by 0.6 um: the difference of five and five of them was told as a backlash
 TEST(LocalError, AZeroThatShiftsFromPassToPassIsNoBacklash) {
-  for (int seed = 1; seed <= seeds(3); ++seed) {
+  for (int seed = 1; seed <= seedCount(3); ++seed) {
     RandomNumbers random(static_cast<std::uint64_t>(seed));
     const std::vector<double> targets = unequalTargets(15, random, false);
     std::vector<double> zeros;
@@ -371,7 +371,7 @@ TEST(LocalError, AZeroThatShiftsFromPassToPassIsNoBacklash) {
 
 // Beside a scale the highest peaks of a thousand waves were its own: a screw of twice the lead was told
 TEST(LocalError, AScrewOfShortLeadIsFoundBesideAScale) {
-  for (int seed = 1; seed <= seeds(2); ++seed) {
+  for (int seed = 1; seed <= seedCount(2); ++seed) {
     RandomNumbers random(static_cast<std::uint64_t>(seed));
     const std::vector<double> targets = unequalTargets(120, random, false);
     Session session = sessionOf(0.4e-6);
@@ -408,7 +408,7 @@ TEST(LocalError, OfDegreesThatAreTheSameTheLowestIsTold) {
 // The air rises and falls by chance as the scale does: the growth with it was told at 20 to 1
 TEST(LocalError, AScaleThatWandersIsNoExpansionWithTheAir) {
   int named = 0, told = 0;
-  for (int seed = 1; seed <= std::max(4, seeds()); ++seed) {
+  for (int seed = 1; seed <= std::max(4, seedCount()); ++seed) {
     RandomNumbers random(static_cast<std::uint64_t>(seed));
     Session session = sessionOf(0.3e-6);
     session.temperatures.push_back({"air", "degC", {}, {}});
@@ -438,7 +438,7 @@ TEST(LocalError, AScaleThatWandersIsNoExpansionWithTheAir) {
 // pressure.
 TEST(LocalError, TheZeroOfAQuantityIsNoScaleOfItsOwn) {
   constexpr double kRight = 1013.25, kByPressure = 0.6;  // hPa, um/m/hPa
-  for (int seed = 1; seed <= seeds(2); ++seed) {
+  for (int seed = 1; seed <= seedCount(2); ++seed) {
     RandomNumbers random(static_cast<std::uint64_t>(seed));
     Session session = sessionOf(0.02e-6);
     session.covariates.push_back({"pressure", "hPa", {}, {}});
@@ -494,7 +494,7 @@ TEST(LocalError, TheAxisOfATableIsNamedAndNoWarmUp) {
 // Readings of one place over hours (ISO 230-3, ETVE) tell no rotation of the instrument: by that which fitted
 // their noise the growth of z was told along all three axes
 TEST(LocalError, WhatGrowsAtOnePlaceGrowsAlongItsOwnAxis) {
-  for (int seed = 1; seed <= seeds(2); ++seed) {
+  for (int seed = 1; seed <= seedCount(2); ++seed) {
     RandomNumbers random(static_cast<std::uint64_t>(seed));
     Session session = sessionOf(0.15e-6);
     session.temperatures.push_back({"spindle", "degC", {}, {}});
@@ -604,7 +604,7 @@ TEST(LocalError, ATableThatCannotHoldAllPositionsIsNotProposed) {
 
 TEST(LocalError, NothingIsNothing) {
   for (const int targets : {21, 41})
-    for (int seed = 1; seed <= seeds(); ++seed) {
+    for (int seed = 1; seed <= seedCount(); ++seed) {
       const Diagnosis d = diagnosisOf([](double) { return 0.0; }, targets, static_cast<std::uint64_t>(seed));
       EXPECT_EQ(d.verdict, Verdict::kExplained) << told(d);
     }

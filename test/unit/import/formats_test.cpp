@@ -128,6 +128,13 @@ TEST_F(Formats, BallBarByTimeAndItsRefusals) {
               HasSubstr("neither close to the nominal"));
 }
 
+TEST_F(Formats, AFixedReadingOfNoJointIsRefusedWhateverTheFormat) {
+  const std::string ball = "ballbar\nPlane: XY\nRadius: 10 mm\nangle [deg];deviation [um]\n0;10\n90;11\n";
+  EXPECT_THAT(importer_.refusal(ball, "fixed: {zz_mm: 5}\n"), HasSubstr("fixed: 'zz_mm' is not"));
+  EXPECT_THAT(importer_.refusal(ball, "fixed: {z_deg: 5}\n"), HasSubstr("fixed: 'z_deg' is not"));
+  EXPECT_DOUBLE_EQ(importer_.text(ball, "fixed: {z_mm: 5}\n").session->observations[0].position[2], 5e-3);
+}
+
 TEST_F(Formats, BallBarWithAHeadOfCommas) {
   const Imported i = importer_.text(
       "Ballbar export\nRadius (mm),100\nFeed rate (mm/min),1000\nPlane,XY\nCentre (mm),0 0 0\n\n"
