@@ -29,9 +29,8 @@ class FullFit {
   /// The model's effects and those that were found, as they were found.
   struct Start {
     std::vector<EffectPtr> found;
-    Eigen::VectorXd x;  // of the model's parameters, then theirs; SI
-    std::vector<char>
-        undetermined;  // of those found, whose period or time constant the session does not tell
+    Eigen::VectorXd x;               // of the model's parameters, then theirs; SI
+    std::vector<char> undetermined;  // of those found, whose time constant the session does not tell
   };
   /// Where a fit of it begins: with the sizes of the linearised model.
   Start startOf(const Look& look, const Explanation& found) const;

@@ -213,7 +213,7 @@ std::string remainderSentence(const Diagnosis& d) {
                       sizeOfScatter(of));
   std::string text = " What remains is " + shortNumber(d.heldOut / d.noise) + " times the noise: ";
   for (const std::string& one : known) text += (&one == &known.front() ? "" : "; ") + one;
-  return text + (known.empty() ? "its cause is not known." : ".");
+  return text + (known.empty() ? "its cause is not known; add what was found, then diagnose again." : ".");
 }
 
 std::string driftInWords(const Diagnosis& d, const DriftResult& drift) {

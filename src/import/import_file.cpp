@@ -202,6 +202,7 @@ void importFile(const ImportRequest& request, const Machine& machine, const Arti
   ImportFaults faults;
   ImportContext context{file, mapping, machine, artifact, faults, imported};
   context.fixed = fixedReadings(mapping, machine, faults);
+  faults.throwIfAny();  // what is read at wrong places would only bring faults that are none
   chosen->read(context);
   imported.lacks = faults.lines();
   faults.throwIfAny();

@@ -10,7 +10,9 @@
 
 #include "deviations.h"
 #include "diagnosed.h"
+#include "diagnosis/answers.h"
 #include "effects/registry.h"
+#include "fitted_model.h"
 #include "long_tests.h"
 #include "model/observed_domain.h"
 #include "nine_ball_plate.h"
@@ -268,7 +270,25 @@ TEST(Diagnose, ACauseWithACurveForItsRestKeepsItsName) {
     EXPECT_GT(m.odds, 0.5) << "what is proposed is likelier than not: " << d.sentence;
     ASSERT_EQ(m.parameters.size(), 1u) << m.effect.yaml();
     EXPECT_GT(std::abs(m.parameters[0].value), 1.4 * m.parameters[0].std) << m.effect.yaml();
+    EXPECT_GT(m.size, 0.1e-6) << "that without the curve: " << m.effect.yaml();
   }
+}
+
+// The warm-up of an axis that is read long after it: an offset of 1280.92 ± 0.07 um was told.
+TEST(Diagnose, WhatASessionDoesNotDetermineKeepsItsValueAndHasNoUncertainty) {
+  const Session session = measured({"backlash:x=3um"}, 5).session;
+  const CalibrationResult full = test::fitted(session, {EffectSpec("backlash").set("axis", "x")});
+  Diagnosis d;
+  CandidateResult play;
+  play.effect = full.problem->model().effects()[0]->spec();
+  play.parameters = {{"gap", "um", 1280.0, 0.07}};
+  d.missing = {play};
+  takeParameters(full, 0, full.problem->model().effects(), {1}, d);
+  EXPECT_EQ(d.missing[0].parameters.at(0).value, 1280.0);
+  EXPECT_EQ(d.missing[0].parameters.at(0).std, 0.0);
+  takeParameters(full, 0, full.problem->model().effects(), {0}, d);
+  EXPECT_NEAR(d.missing[0].parameters.at(0).value, 3.0, 0.3);
+  EXPECT_GT(d.missing[0].parameters.at(0).std, 0.0);
 }
 
 TEST(Diagnose, BallsThatAreNotWhereTheFileSaysAreNotExplained) {

@@ -354,7 +354,9 @@ TEST(Sentence, SaysWhatRemainsWhereTheNamedCauseIsTheSmallerPart) {
   d.heldOut = 0.32e-6;
   const std::string named = "held-out RMS 0.93 -> 0.32 um.";
   const auto after = [&] { return sentenceOf(d).substr(sentenceOf(d).find(named) + named.size()); };
-  EXPECT_EQ(after(), " What remains is 3.2 times the noise: its cause is not known.");
+  EXPECT_EQ(after(),
+            " What remains is 3.2 times the noise: its cause is not known; add what was found, then diagnose "
+            "again.");
   d.drift = {wander()};
   ArtifactScatter form;
   form.what = "form";
