@@ -60,14 +60,10 @@ NeededCorrection::NeededCorrection(const Calibration& calibration,
   active_ = loadedCompensation(compensation_);
   if (active_) activePoints_ = active_->points();
   checkActive();
-  changes_ = varies(kChangeStates, kChangeSeed).array() > kLeastChange;
-}
-
-Eigen::VectorXd NeededCorrection::varies(int count, unsigned seed) const {
-  Eigen::MatrixXd samples(axes_.size(), count);
+  Eigen::MatrixXd samples(axes_.size(), kChangeStates);
   int n = 0;
-  for (const State& state : states(count, seed)) samples.col(n++) = adds(state);
-  return samples.rowwise().maxCoeff() - samples.rowwise().minCoeff();
+  for (const State& state : states(kChangeStates, kChangeSeed)) samples.col(n++) = adds(state);
+  changes_ = (samples.rowwise().maxCoeff() - samples.rowwise().minCoeff()).array() > kLeastChange;
 }
 
 void NeededCorrection::checkActive() const {

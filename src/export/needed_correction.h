@@ -45,8 +45,6 @@ class NeededCorrection {
   std::pair<double, double> tabulated(int joint) const;
   /// The calibration corrects this joint somewhere, by more than any machine repeats.
   bool changes(int joint) const { return changes_[joint]; }
-  /// Between any two of so many states: by how much differs what the calibration adds to each joint, m.
-  Eigen::VectorXd varies(int count, unsigned seed) const;
 
   /// Motors minus command, m, one a joint; 0 for rotary ones: adds() and activeAt(). @param command its
   /// `position` are the commanded readings. @throw NumericalError where the model has no finite answer.

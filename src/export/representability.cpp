@@ -6,8 +6,6 @@
 #include "base/dense.h"
 #include "base/quantity_words.h"
 #include "base/rotation.h"
-#include "base/text.h"
-#include "effects/inputs.h"
 #include "effects/iso230_symbol.h"
 #include "export/export_folder.h"
 #include "machine/linear_inverse.h"
@@ -15,8 +13,7 @@
 namespace mm {
 namespace {
 
-constexpr double kRank = 1e-6;   // of a motion of the whole workpiece, or of a direction: less is rounding
-constexpr double kMoves = 1e-9;  // m or rad: a correction that is one constant moves nothing
+constexpr double kRank = 1e-6;  // of a motion of the whole workpiece, or of a direction: less is rounding
 
 constexpr int kJudgeStates = 512;
 constexpr unsigned kJudgeSeed = 41;  // never that of a table: fresh places
@@ -184,30 +181,6 @@ Calibration oneEffect(const Calibration& whole, int effect) {
   return one;
 }
 
-std::string listed(const std::vector<std::string>& words) {
-  if (words.size() < 2) return joined(words, "");
-  return joined({words.begin(), words.end() - 1}, ", ") + " and " + words.back();
-}
-
-/// "moves x and y by the position of x, the travel of x and the temperature bed".
-std::string whatItDoes(const NeededCorrection& needed) {
-  const Domain& d = needed.model().domain();
-  const Inputs in = inputsOf(*needed.model().effects()[0], d);
-  std::vector<std::string> by, moves;
-  const auto name = [&](int joint) { return needed.axis(joint).letter; };
-  for (const int j : in.positions) by.push_back("the position of " + name(j));
-  for (const int j : in.travels) by.push_back("the travel of " + name(j));
-  for (const int j : in.reversals)
-    by.push_back("the way of " + name(j) + " since its last reversal (taken as far from it)");
-  for (const int k : in.temperatures) by.push_back("the temperature " + d.sensors[k]);
-  for (const int k : in.covariates) by.push_back(d.covariates[k]);
-  if (in.time) by.emplace_back("time");
-  const Eigen::VectorXd varies = needed.varies(64, kJudgeSeed);
-  for (const int joint : needed.linear())
-    if (varies[joint] > kMoves) moves.push_back(name(joint));
-  return "corrects " + (moves.empty() ? "no axis" : listed(moves)) + (by.empty() ? "" : " by " + listed(by));
-}
-
 bool hasValue(const Calibration& c) {
   for (const Calibration::Value& v : c.values)
     if (v.value != 0.0) return true;
@@ -241,8 +214,8 @@ CarriedEffect carriedEffect(const Calibration& calibration, int index, const Exp
   const double share = f.exported / f.uncorrected;
   const bool exact = share <= kExactShare || (share < 0.5 && f.exported < kBelowAll);
   result.carried = exact ? "exact" : share < kNoneShare ? "approximate" : "none";
-  result.why = whatItDoes(needed) + "; " + target.title + " holds " + exported.holds + ": " +
-               errorInWords(f.exported, false) + " of " + errorInWords(f.uncorrected, false) + " remain";
+  result.why = target.title + " holds " + exported.holds + ": " + errorInWords(f.exported, false) + " of " +
+               errorInWords(f.uncorrected, false) + " remain";
   for (const std::string& told : exported.notFollowed) result.why += "; " + told;
   return result;
 }
