@@ -17,7 +17,11 @@ set(uplot_files
 set(three_package "three@0.187.0")
 set(three_files
     build/three.module.js three.module.js 104f56145899722094556490d787aae0617cc2fc3382f31df02d724ea1aee341
-    build/three.core.js three.core.js 613e370f76638fdef83926642bf256dc9615684922de1ce1f63a8583e5d78578)
+    build/three.core.js three.core.js 613e370f76638fdef83926642bf256dc9615684922de1ce1f63a8583e5d78578
+    examples/jsm/loaders/STLLoader.js STLLoader.js a07441b8cd812faf8049741fe5e95373b19547e4038694753dfec26fe230a7eb
+    examples/jsm/loaders/OBJLoader.js OBJLoader.js 355484026ac163fdeceececaa943b0473a2e169444015cd2209cc7d27b5b894d
+    examples/jsm/loaders/collada/ColladaParser.js ColladaParser.js d9532ab17f1d9e2919deba8029d759d5dcaed2f21195ded9e29491f719b1a0c6
+    examples/jsm/loaders/collada/ColladaComposer.js ColladaComposer.js eb262d262790a59d3e3b3c50abc56d565f6d97a34a3979151321da73ab9846a1)
 set(axe_package "axe-core@4.14.1")
 set(axe_files
     axe.min.js axe.min.js 29348999450cdf2849a8e70b7912fc2da85a849da39c0d0d5394f51d4a9ed95c)

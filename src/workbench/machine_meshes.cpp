@@ -1,15 +1,9 @@
 #include "workbench/machine_meshes.h"
 
-#include <assimp/config.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
 #include <tinyxml2.h>
 
 #include <algorithm>
-#include <assimp/Importer.hpp>
-#include <cmath>
 #include <cstdint>
-#include <cstring>
 
 #include "base/error.h"
 #include "base/json_text.h"
@@ -21,7 +15,7 @@ namespace {
 
 constexpr std::size_t kMostMeshes = 64;
 constexpr std::uintmax_t kLargestFile = 32u << 20;  // bytes
-constexpr std::size_t kMostValues = 9u * 500000u;   // of all meshes together: half a million triangles
+constexpr std::size_t kMostBytes = 64u << 20;       // of all meshes together
 const std::string kPackageScheme = "package://", kFileScheme = "file://";
 
 void collectNames(const tinyxml2::XMLElement* element, bool visual, std::vector<std::string>& names) {
@@ -95,69 +89,41 @@ std::filesystem::path meshFile(const std::string& name, UrdfOrigin origin, const
   return file;
 }
 
-std::vector<float> meshTriangles(const std::filesystem::path& file) {
+std::string meshBytes(const std::filesystem::path& file) {
   std::error_code failed;
   const std::uintmax_t size = std::filesystem::file_size(file, failed);
   if (failed) throw InputError("cannot be read: " + failed.message());
   if (size > kLargestFile)
     throw InputError("has " + std::to_string(size >> 20) + " MB, and at most " +
                      std::to_string(kLargestFile >> 20) + " are drawn; simplify it");
-  const std::string bytes = readWholeFile(file, "check the mesh");
-  Assimp::Importer importer;
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // as RViz does
-  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  // from memory: a material or a part in another file is not looked for
-  const aiScene* scene = importer.ReadFileFromMemory(
-      bytes.data(), bytes.size(),
-      aiProcess_Triangulate | aiProcess_PreTransformVertices | aiProcess_SortByPType,
-      kindOf(file).c_str() + 1);
-  if (scene == nullptr) throw InputError(std::string("is not read: ") + importer.GetErrorString());
-  std::vector<float> values;
-  for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
-    const aiMesh& mesh = *scene->mMeshes[m];
-    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
-      if (mesh.mFaces[f].mNumIndices != 3) continue;
-      for (unsigned k = 0; k < 3; ++k) {
-        const aiVector3D& at = mesh.mVertices[mesh.mFaces[f].mIndices[k]];
-        if (!std::isfinite(at.x) || !std::isfinite(at.y) || !std::isfinite(at.z))
-          throw InputError("has a vertex that is not finite");
-        values.insert(values.end(), {at.x, at.y, at.z});
-      }
-    }
-  }
-  if (values.empty()) throw InputError("has no triangles");
-  return values;
+  return readWholeFile(file, "check the mesh");
 }
 
 std::string meshesDocument(const std::string& urdf, UrdfOrigin origin, const PackageFolder& packages) {
   const std::vector<std::string> names = meshNames(urdf);
   if (names.empty()) return {};
   Json list = Json::array();
-  std::vector<float> values;
+  std::string whole;
   for (const std::string& name : names) {
     try {
       if (list.size() >= kMostMeshes)
         throw InputError("is one more than the " + std::to_string(kMostMeshes) + " that are drawn");
-      const std::vector<float> triangles = meshTriangles(meshFile(name, origin, packages));
-      if (values.size() + triangles.size() > kMostValues)
-        throw InputError("has " + std::to_string(triangles.size() / 9) + " triangles, and at most " +
-                         std::to_string(kMostValues / 9) + " are drawn in all; simplify it");
-      list.push_back({{"name", name}, {"first", values.size()}, {"count", triangles.size()}});
-      values.insert(values.end(), triangles.begin(), triangles.end());
+      const std::filesystem::path file = meshFile(name, origin, packages);
+      const std::string bytes = meshBytes(file);
+      if (whole.size() + bytes.size() > kMostBytes)
+        throw InputError("is left out: at most " + std::to_string(kMostBytes >> 20) +
+                         " MB are drawn in all; simplify the meshes");
+      list.push_back(
+          {{"name", name}, {"kind", kindOf(file)}, {"first", whole.size()}, {"count", bytes.size()}});
+      whole += bytes;
     } catch (const Error& e) {
       list.push_back({{"name", name}, {"why", e.what()}});
     }
   }
-  std::string head = jsonLine({{"meshes", std::move(list)}});
-  head.resize((head.size() + 3) / 4 * 4, ' ');  // the numbers begin where numbers may
+  const std::string head = jsonLine({{"meshes", std::move(list)}});
   std::string document;
   for (int byte = 0; byte < 4; ++byte) document += static_cast<char>(head.size() >> (8 * byte) & 0xff);
-  document += head;
-  static_assert(sizeof(float) == 4 && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "as the page reads them");
-  const std::size_t begin = document.size();
-  document.resize(begin + 4 * values.size());
-  if (!values.empty()) std::memcpy(document.data() + begin, values.data(), 4 * values.size());
-  return document;
+  return document + head + whole;
 }
 
 }  // namespace mm

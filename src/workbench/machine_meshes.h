@@ -24,14 +24,13 @@ std::vector<std::string> meshNames(const std::string& urdf);
 /// @throw InputError: why it is not read; a URDF that was sent names nothing outside a package's folder.
 std::filesystem::path meshFile(const std::string& name, UrdfOrigin origin, const PackageFolder& packages);
 
-/// Its triangles: nine coordinates each, m as the file says it (a Collada file by its own unit), in the axes
-/// of the file, as RViz takes them. @throw InputError: it cannot be read, is no mesh, or too large to draw.
-std::vector<float> meshTriangles(const std::filesystem::path& file);
+/// What it holds, which the page reads. @throw InputError: it cannot be read, or is too large to draw.
+std::string meshBytes(const std::filesystem::path& file);
 
-/// All meshes of a URDF as the page draws them, one after the other: the length of a text (4 bytes, little
-/// endian), the text, the triangles (4 bytes a number, little endian). The text is JSON:
-/// `{"meshes": [{"name": as in the URDF, "first": number of its first value, "count": of its values}, …]}`,
-/// with `why` in place of `first` and `count` for one that is not there. Empty: the URDF names none.
+/// All mesh files of a URDF for the page, one after the other: the length of a text (4 bytes, little endian),
+/// the text, the files. The text is JSON: `{"meshes": [{"name": as in the URDF, "kind": ".stl", ".dae" or
+/// ".obj", "first": its first byte, counted from the end of the text, "count": of its bytes}, …]}`, with
+/// `why` in place of these three for one that is not there. Empty: the URDF names none.
 std::string meshesDocument(const std::string& urdf, UrdfOrigin origin, const PackageFolder& packages);
 
 }  // namespace mm

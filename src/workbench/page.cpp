@@ -17,14 +17,16 @@ const char* const kStyle = "text/css; charset=utf-8";
 const char* const kModules[] = {"main.js",     "server.js",  "parts.js",   "units.js",   "chart.js",
                                 "scatter.js",  "machine.js", "import.js",  "session.js", "compare.js",
                                 "diagnose.js", "ledger.js",  "correct.js", "measure.js", "plan.js",
-                                "heat.js",     "history.js", "picture.js"};
+                                "heat.js",     "history.js", "picture.js", "meshes.js"};
 
 struct Library {
   const char *file, *key;
 };
-const Library kLibraries[] = {{"preact.mjs", "preact"},     {"hooks.mjs", "preact"},
-                              {"uPlot.mjs", "uplot"},       {"uPlot.min.css", "uplot"},
-                              {"three.module.js", "three"}, {"three.core.js", "three"}};
+const Library kLibraries[] = {{"preact.mjs", "preact"},      {"hooks.mjs", "preact"},
+                              {"uPlot.mjs", "uplot"},        {"uPlot.min.css", "uplot"},
+                              {"three.module.js", "three"},  {"three.core.js", "three"},
+                              {"STLLoader.js", "three"},     {"OBJLoader.js", "three"},
+                              {"ColladaParser.js", "three"}, {"ColladaComposer.js", "three"}};
 
 }  // namespace
 

@@ -5,6 +5,7 @@ import json
 import os
 import re
 import signal
+import struct
 import subprocess
 import sys
 import tarfile
@@ -174,8 +175,46 @@ def plan(browser, bench, folder):
     check("each measurement can be looked at", re.search(r"30 of 120: b\d at .* mm, line \d+", said), said)
 
 
+ONE_TRIANGLE = {
+    ".stl": "solid one\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.1 0 0\nvertex 0.1 0.2 0.3\nendloop\nendfacet\nendsolid one\n",
+    ".obj": "mtllib none.mtl\nv 0 0 0\nv 0.1 0 0\nv 0.1 0.2 0.3\nf 1 2 3\n",
+    # in millimetres, z up, moved by a node, with a picture: as RViz, by its unit, and not turned
+    ".dae": """<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset><unit name="millimeter" meter="0.001"/>
+        <up_axis>Z_UP</up_axis></asset><library_images><image id="i"><init_from>skin.png</init_from></image></library_images><library_effects><effect id="e">
+        <profile_COMMON><newparam sid="u"><surface type="2D"><init_from>i</init_from></surface></newparam><newparam sid="q"><sampler2D><source>u</source>
+        </sampler2D></newparam><technique sid="t"><phong><diffuse><texture texture="q" texcoord="c"/></diffuse></phong></technique></profile_COMMON></effect>
+        </library_effects><library_materials><material id="m"><instance_effect url="#e"/></material></library_materials><library_geometries><geometry id="g">
+        <mesh><source id="s"><float_array id="f" count="9">-5 0 0 95 0 0 95 200 300</float_array><technique_common><accessor source="#f" count="3" stride="3">
+        <param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source><vertices id="v">
+        <input semantic="POSITION" source="#s"/></vertices><triangles count="1" material="k"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p>
+        </triangles></mesh></geometry></library_geometries><library_visual_scenes><visual_scene id="w"><node id="n"><translate>5 0 0</translate>
+        <instance_geometry url="#g"><bind_material><technique_common><instance_material symbol="k" target="#m"/></technique_common></bind_material>
+        </instance_geometry></node></visual_scene></library_visual_scenes><scene><instance_visual_scene url="#w"/></scene></COLLADA>""",
+}
+
+
+def mesh_files(browser, bench):
+    """Each kind of mesh in m and in the axes of its file; what is no mesh is refused in words."""
+    module = "import('/t/%s/app/meshes.js')" % urllib.parse.parse_qs(urllib.parse.urlparse(bench.url).query)["token"][0]
+    read = module + ".then((m) => { try { return [...m.meshCorners(%s, %s)]; } catch (error) { return error.message; } })"
+    typed = "new TextEncoder().encode(%s).buffer"
+    wanted = [0, 0, 0, 0.1, 0, 0, 0.1, 0.2, 0.3]
+    binary = b" " * 80 + struct.pack("<I12fH", 1, 0, 0, 1, *wanted, 0)
+    kinds = [(kind, typed % json.dumps(text)) for kind, text in ONE_TRIANGLE.items()] + [(".stl", "new Uint8Array(%s).buffer" % list(binary))]
+    for kind, text in kinds:
+        corners = browser.evaluate(read % (json.dumps(kind), text))
+        check("a mesh %s is read in m" % kind, len(corners) == 9 and all(isinstance(c, float) or isinstance(c, int) for c in corners)
+              and max(abs(c - w) for c, w in zip(corners, wanted)) < 1e-6, corners)
+    square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"
+    check("a square is two triangles", len(browser.evaluate(read % ('".obj"', typed % json.dumps(square)))) == 18)
+    for kind, text in ((".stl", ""), (".stl", "root:x:0:0:root:/root:/bin/bash\n"), (".stl", "solid x\nfacet normal 0 0\n"), (".obj", "v 1 2\n"), (".dae", "solid"),
+                       (".dae", "<robot/>"), (".dae", ""), (".stl", ONE_TRIANGLE[".stl"].replace("0.3", "1e99"))):
+        said = browser.evaluate(read % (json.dumps(kind), typed % json.dumps(text)))
+        check("no mesh %s: %r" % (kind, text[:20]), isinstance(said, str) and said.startswith(("is not read: ", "has ")), said)
+
+
 def meshes(browser, folder):
-    """A machine whose bed is drawn by a file of a package, and another that is not there."""
+    """A machine whose bed is drawn by files of a package, one that is no mesh, and one that is not there."""
     package = os.path.join(folder, "drawn", "cell")
     os.makedirs(os.path.join(package, "meshes"))
     with open(os.path.join(package, "package.xml"), "w") as f:
@@ -186,9 +225,12 @@ def meshes(browser, folder):
     with open(os.path.join(package, "meshes", "bed.stl"), "w") as f:
         f.write("solid bed\n" + "".join("facet normal 0 0 0\nouter loop\n%sendloop\nendfacet\n" % "".join("vertex %g %g %g\n" % corners[i] for i in face)
                                         for face in faces) + "endsolid bed\n")
+    for name, text in (("bed.obj", ONE_TRIANGLE[".obj"]), ("bed.dae", ONE_TRIANGLE[".dae"]), ("no.dae", "<robot/>")):
+        with open(os.path.join(package, "meshes", name), "w") as f:
+            f.write(text)
     with open("urdf/three_axis.urdf") as f:
         urdf = f.read()
-    more = "".join("<visual><geometry><mesh filename=\"package://cell/meshes/%s\"/></geometry></visual>" % name for name in ("bed.stl", "none.stl"))
+    more = "".join("<visual><geometry><mesh filename=\"package://cell/meshes/%s\"/></geometry></visual>" % name for name in ("bed.stl", "bed.obj", "bed.dae", "no.dae", "none.stl"))
     machine = os.path.join(folder, "cell.urdf")
     with open(machine, "w") as f:
         f.write(urdf.replace("<visual>", more + "<visual>", 1))
@@ -203,9 +245,10 @@ def meshes(browser, folder):
         browser.open(bench.url + "#session")
         browser.wait("document.querySelector('.canvas') && document.querySelector('.canvas').dataset.frameMs")
         said = browser.wait("document.querySelector('figcaption .missing') && document.querySelector('figcaption .missing').innerText")
-        check("a mesh that is not there is said", "none.stl" in said and "bed.stl" not in said, said)
-        check("a mesh of a package is drawn", browser.wait("document.querySelector('.canvas').dataset.meshes") == "1")
-        check("it is asked for by no path", not [r for r in browser.requests if "bed.stl" in r or "cell" in r])
+        check("a mesh that is not there is said", "none.stl" in said and "no.dae (is not read" in said and "bed" not in said, said)
+        check("meshes of a package are drawn", browser.wait("document.querySelector('.canvas').dataset.meshes") == "3")
+        mesh_files(browser, bench)
+        check("they are asked for by no path", not [r for r in browser.requests if "bed." in r or "cell" in r or "skin" in r])
     finally:
         bench.stop()
 

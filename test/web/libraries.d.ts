@@ -3,4 +3,5 @@ declare module "preact";
 declare module "preact/hooks";
 declare module "uplot";
 declare module "three";
+declare module "three/loaders/*";
 declare const Plotly: any;

@@ -7,20 +7,11 @@ import { useDocument } from "./server.js";
 import { text } from "./units.js";
 
 const kMillimetre = 1000;
-let THREE = null; // fetched when something is to be drawn: the other views are there sooner without it
+let THREE = null, readMeshes = null; // fetched when something is to be drawn: the other views are there sooner without it
 
 const numbers = (text, count) => { const list = (text || "").trim().split(/\s+/).map(Number); return list.length === count && list.every(Number.isFinite) ? list : Array(count).fill(0); };
 
-/** The meshes that the server found for a URDF: name there → corners in m, three numbers each, or why there are none. */
-function readMeshes(file) {
-  const meshes = new Map();
-  if (!file) return meshes;
-  const size = new DataView(file).getUint32(0, true), head = JSON.parse(new TextDecoder().decode(new Uint8Array(file, 4, size)));
-  for (const m of head.meshes) meshes.set(m.name, m.why ? { why: m.why } : { corners: new Float32Array(file, 4 + size + 4 * m.first, m.count) });
-  return meshes;
-}
-
-/** A URDF as a tree of three's objects, lengths in mm. A mesh that the server has not found is not drawn. */
+/** A URDF as a tree of three's objects, lengths in mm. A mesh that could not be read is not drawn. */
 export function readMachine(urdf, c, meshes) {
   const xml = new DOMParser().parseFromString(urdf, "application/xml");
   const links = new Map(), moving = new Map(), children = new Set();
@@ -36,7 +27,7 @@ export function readMachine(urdf, c, meshes) {
       const shape = shapeOf(visual, meshes);
       if (!shape) continue;
       const rgba = numbers((visual.querySelector("material > color") || { getAttribute: () => "" }).getAttribute("rgba"), 4);
-      const mesh = new THREE.Mesh(shape, new THREE.MeshLambertMaterial({ color: rgba[3] ? new THREE.Color(rgba[0], rgba[1], rgba[2]) : new THREE.Color(c.soft) }));
+      const mesh = new THREE.Mesh(shape, new THREE.MeshLambertMaterial({ color: rgba[3] ? new THREE.Color(rgba[0], rgba[1], rgba[2]) : new THREE.Color(c.soft), side: THREE.DoubleSide })); // a mesh may be mirrored
       place(mesh, visual);
       if (visual.querySelector("cylinder")) mesh.quaternion.multiply(new THREE.Quaternion().setFromAxisAngle(new THREE.Vector3(1, 0, 0), Math.PI / 2));
       group.add(mesh);
@@ -123,10 +114,10 @@ function discard(object) {
 export function Space({ urdf, joints, readings, points, lines, balls, mark, label, note }) {
   const place = useRef(null), world = useRef(null);
   const [without, setWithout] = useState(false), [arrow, setArrow] = useState(null), [ready, setReady] = useState(THREE !== null);
-  const theme = useTheme(), file = useDocument("meshes"), meshes = useMemo(() => readMeshes(file), [file]);
+  const theme = useTheme(), file = useDocument("meshes"), meshes = useMemo(() => (ready ? readMeshes(file) : new Map()), [file, ready]);
   useEffect(() => {
     let here = true;
-    if (!ready) import("three").then((library) => { THREE = library; if (here) setReady(true); });
+    if (!ready) Promise.all([import("three"), import("./meshes.js")]).then(([library, reading]) => { THREE = library; readMeshes = reading.readMeshes; if (here) setReady(true); });
     return () => { here = false; };
   }, []);
 

@@ -1,4 +1,5 @@
 // What the page draws: the machine with its meshes, and a plan before it runs.
+#include <cstring>
 #include <fstream>
 
 #include "base/read_file.h"
@@ -88,7 +89,7 @@ TEST_F(BenchMachineTest, MeshesOfAPackageAreDrawnAndNoOtherFilesOfASession) {
     EXPECT_EQ(answer.type, "application/octet-stream");
     return meshesOf(answer)[0];
   };
-  EXPECT_EQ(sent("package://any/bed.stl")["count"], 9);
+  EXPECT_EQ(sent("package://any/bed.stl")["count"], std::strlen(kFacet));
   for (const std::string& path :
        {folder_.path("secret.stl").string(), "file://" + folder_.path("secret.stl").string(),
         std::string("package://any/../secret.stl")}) {

@@ -29,6 +29,13 @@ std::string urdfWith(const std::string& mesh) {
          "'/></geometry></visual></link></robot>";
 }
 
+/// The list at the head of a document.
+nlohmann::json headOf(const std::string& document) {
+  std::uint32_t size = 0;
+  std::memcpy(&size, document.data(), 4);
+  return nlohmann::json::parse(document.substr(4, size))["meshes"];
+}
+
 class MachineMeshes : public ::testing::Test {
  protected:
   test::Folder folder_;
@@ -81,50 +88,27 @@ TEST_F(MachineMeshes, APathIsOpenedForThisComputersUrdfAlone) {
   EXPECT_NE(refusal(folder_.path("pipe.stl")).find("is not a file"), std::string::npos);
 }
 
-TEST_F(MachineMeshes, TrianglesOfEveryFormatAreRead) {
-  const std::vector<float> one = {0, 0, 0, 0.1F, 0, 0, 0, 0.2F, 0};
-  EXPECT_EQ(meshTriangles(folder_.path("p/meshes/one.stl")), one);
-  std::string binary(80, ' ');
-  const std::uint32_t count = 1;
-  const std::uint16_t attribute = 0;
-  const float normal[3] = {0, 0, 1};
-  binary.append(reinterpret_cast<const char*>(&count), 4);
-  binary.append(reinterpret_cast<const char*>(normal), 12);
-  binary.append(reinterpret_cast<const char*>(one.data()), 36);
-  binary.append(reinterpret_cast<const char*>(&attribute), 2);
-  write(folder_.path("binary.STL"), binary);
-  EXPECT_EQ(meshTriangles(folder_.path("binary.STL")), one);
-  write(folder_.path("square.obj"),
-        "mtllib none.mtl\nv 0 0 0\nv 0.1 0 0\nv 0.1 0.2 0\nv 0 0.2 0\nf 1 2 3 4\n");
-  EXPECT_EQ(meshTriangles(folder_.path("square.obj")).size(), 18u) << "two triangles";
-  // a Collada file in millimetres whose z is up: as RViz, by its unit, and not turned
-  write(folder_.path("mm.dae"),
-        "<?xml version='1.0'?><COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' version='1.4.1'>"
-        "<asset><unit name='millimeter' meter='0.001'/><up_axis>Z_UP</up_axis></asset><library_geometries>"
-        "<geometry id='g'><mesh><source id='s'><float_array id='f' count='9'>0 0 0 100 0 0 0 200 0"
-        "</float_array><technique_common><accessor source='#f' count='3' stride='3'><param name='X' "
-        "type='float'/><param name='Y' type='float'/><param name='Z' type='float'/></accessor>"
-        "</technique_common></source><vertices id='v'><input semantic='POSITION' source='#s'/></vertices>"
-        "<triangles count='1'><input semantic='VERTEX' source='#v' offset='0'/><p>0 1 2</p></triangles>"
-        "</mesh></geometry></library_geometries><library_visual_scenes><visual_scene id='w'><node id='n'>"
-        "<instance_geometry url='#g'/></node></visual_scene></library_visual_scenes><scene>"
-        "<instance_visual_scene url='#w'/></scene></COLLADA>");
-  const std::vector<float> dae = meshTriangles(folder_.path("mm.dae"));
-  ASSERT_EQ(dae.size(), 9u);
-  for (std::size_t i = 0; i < 9; ++i) EXPECT_NEAR(dae[i], one[i], 1e-6) << i;
-}
-
-TEST_F(MachineMeshes, WhatIsNoMeshIsRefusedInWords) {
-  for (const std::string& text : {std::string(), std::string("root:x:0:0:root:/root:/bin/bash\n"),
-                                  std::string(84, '\xff'), std::string("solid x\nfacet normal 0 0\n")}) {
-    write(folder_.path("bad.stl"), text);
-    EXPECT_NE(test::messageOf<InputError>([&] { meshTriangles(folder_.path("bad.stl")); }), "") << text;
-  }
+TEST_F(MachineMeshes, TheBytesOfAFileAreAsTheyAreAndNotTooMany) {
+  EXPECT_EQ(meshBytes(folder_.path("p/meshes/one.stl")), kStl);
+  EXPECT_NE(test::messageOf<InputError>([&] { meshBytes(folder_.path("none.stl")); }), "");
   write(folder_.path("large.stl"), "solid");
   std::filesystem::resize_file(folder_.path("large.stl"), 40u << 20);
-  EXPECT_NE(
-      test::messageOf<InputError>([&] { meshTriangles(folder_.path("large.stl")); }).find("at most 32 are"),
-      std::string::npos);
+  EXPECT_NE(test::messageOf<InputError>([&] { meshBytes(folder_.path("large.stl")); }).find("at most 32 are"),
+            std::string::npos);
+}
+
+TEST_F(MachineMeshes, AllTogetherAreNotTooMany) {
+  std::string urdf = "<robot name='m'><link name='a'>";
+  for (const char* name : {"a.stl", "b.OBJ", "c.dae"}) {
+    write(folder_.path("p") / name, "solid");
+    std::filesystem::resize_file(folder_.path("p") / name, 30u << 20);
+    urdf += std::string("<visual><geometry><mesh filename='package://p/") + name + "'/></geometry></visual>";
+  }
+  const auto meshes = headOf(meshesDocument(urdf + "</link></robot>", UrdfOrigin::kSent, packages()));
+  EXPECT_EQ(meshes[0]["kind"], ".stl");
+  EXPECT_EQ(meshes[1]["kind"], ".obj");
+  EXPECT_EQ(meshes[1]["first"], 30u << 20);
+  EXPECT_NE(meshes[2]["why"].get<std::string>().find("at most 64 MB"), std::string::npos) << meshes[2];
 }
 
 TEST_F(MachineMeshes, TheDocumentHasEachWithItsTrianglesOrWhyNot) {
@@ -132,20 +116,15 @@ TEST_F(MachineMeshes, TheDocumentHasEachWithItsTrianglesOrWhyNot) {
   std::string urdf = urdfWith("package://p/meshes/one.stl");
   urdf.insert(urdf.find("<visual>"), "<visual><geometry><mesh filename='/etc/passwd'/></geometry></visual>");
   const std::string document = meshesDocument(urdf, UrdfOrigin::kSent, packages());
-  std::uint32_t size = 0;
-  ASSERT_GT(document.size(), 4u);
-  std::memcpy(&size, document.data(), 4);
-  ASSERT_EQ(size % 4, 0u);
-  const auto head = nlohmann::json::parse(document.substr(4, size));
-  ASSERT_EQ(head["meshes"].size(), 2u);
-  EXPECT_EQ(head["meshes"][0]["name"], "/etc/passwd");
-  EXPECT_NE(head["meshes"][0]["why"].get<std::string>(), "");
-  EXPECT_EQ(head["meshes"][1]["first"], 0);
-  EXPECT_EQ(head["meshes"][1]["count"], 9);
-  ASSERT_EQ(document.size(), 4u + size + 36u);
-  float last[3];
-  std::memcpy(last, document.data() + document.size() - 12, 12);
-  EXPECT_EQ(last[1], 0.2F);
+  const auto meshes = headOf(document);
+  ASSERT_EQ(meshes.size(), 2u);
+  EXPECT_EQ(meshes[0]["name"], "/etc/passwd");
+  EXPECT_NE(meshes[0]["why"].get<std::string>(), "");
+  EXPECT_EQ(meshes[1]["kind"], ".stl");
+  EXPECT_EQ(meshes[1]["first"], 0);
+  EXPECT_EQ(meshes[1]["count"], std::strlen(kStl));
+  EXPECT_EQ(document.substr(document.size() - std::strlen(kStl)), kStl);
+  EXPECT_EQ(document.find("root:"), std::string::npos) << "of /etc/passwd";
 }
 
 }  // namespace
