@@ -181,6 +181,17 @@ std::vector<SourceKind> makeKinds() {
        Probe::kAny,
        true},
 
+      // friction drags a carriage askew, with the arm at which the tip stands
+      {"friction_lever",
+       {{"axis", Key::kLinear}, {"across", Key::kOtherLinear}},
+       {{"angle", "rad", 60.0 * kArcsecond, 200.0 * kArcsecond, true}},
+       law([](const Instant& i, Distortion& d) {
+         const int j = i.joint();
+         d.travel[j] += 0.5 * i.number("angle") * i.now.travel[j] * i.position("across");
+       }),
+       Probe::kAny,
+       true},
+
       // of heat
       {"thermal_expansion",
        {{"axis", Key::kLinear}, {"sensor", Key::kBody}},

@@ -26,6 +26,8 @@ struct HiddenSource {
   std::string text() const;
 };
 
+struct SourceKind;
+
 /// What a source is built into.
 struct Workshop {
   const Machine& machine;
@@ -33,9 +35,10 @@ struct Workshop {
   const Artifact& artifact;
   const ThermalModel& thermal;
   const InstrumentSettings& settings;
-  bool touches = false;              // the plan touches balls
-  std::vector<double> lower, upper;  // travel of each joint in the session, m or rad
-  Physics& physics;                  // gets the source
+  const std::vector<SourceKind>& kinds;  // that can be hidden
+  bool touches = false;                  // the plan touches balls
+  std::vector<double> lower, upper;      // travel of each joint in the session, m or rad
+  Physics& physics;                      // gets the source
   /// What the instrument goes through at each measurement of the plan, nothing being hidden.
   std::function<const std::vector<Condition>&()> visits;
 };
@@ -88,7 +91,7 @@ struct SourceKind {
   std::vector<NumberRule> numbers;
   std::function<void(const Making&)> build;
   enum class Probe { kAny, kTouch, kLaser } probe = Probe::kAny;
-  bool composite = false;  // never drawn by `random`
+  bool onlyByName = false;  // never drawn by `random`
 };
 
 /// All kinds that can be hidden, in the order of the catalogue.
@@ -96,8 +99,7 @@ const std::vector<SourceKind>& sourceKinds();
 
 /// Reads one source as written for `--hide`, draws what is left open, and builds it into `workshop.physics`.
 /// Forms: `backlash`, `backlash:x=3um`, `straightness:x/y=2um`, `lead_screw_periodic:x=1um,period=2mm`,
-/// `{type: backlash, axis: x, gap: 3um}`, `random`, `random_uncatalogued`. @param stream what makes its
-/// random numbers its own.
+/// `{type: backlash, axis: x, gap: 3um}`, `random`. @param stream what makes its random numbers its own.
 /// @throw InputError naming `where`, what is wrong and what is possible.
 HiddenSource hideSource(const std::string& text, const std::string& where, std::uint64_t seed,
                         const std::string& stream, Workshop& workshop);

@@ -13,7 +13,6 @@
 #include "base/units.h"
 #include "simulation/catalogue.h"
 #include "simulation/quantity.h"
-#include "simulation/uncatalogued.h"
 
 namespace mm {
 namespace {
@@ -232,7 +231,7 @@ std::string misfit(const SourceKind& kind, const Workshop& w) {
 
 /// Whether it may be drawn: there is something for each of its keys.
 bool fits(const SourceKind& kind, const Workshop& w) {
-  if (kind.composite || !misfit(kind, w).empty()) return false;
+  if (kind.onlyByName || !misfit(kind, w).empty()) return false;
   HiddenSource source;
   for (const SourceKind::KeyRule& key : kind.keys) {
     const std::vector<std::string> names = choices(key, source, w);
@@ -247,23 +246,20 @@ const SourceKind& kindOf(const std::string& type, const std::string& where, Rand
   const auto other = kOtherNames.find(type);
   const std::string name = other != kOtherNames.end() ? other->second : type;
   const double draw = random.uniform();
-  for (const auto* kinds : {&sourceKinds(), &uncataloguedSourceKinds()}) {
-    std::vector<const SourceKind*> fitting;
-    for (const SourceKind& kind : *kinds) {
-      if (kind.type == name) {
-        if (const std::string why = misfit(kind, w); !why.empty())
-          throw InputError(where + ": '" + kind.type + "' " + why);
-        return kind;
-      }
-      if (fits(kind, w)) fitting.push_back(&kind);
+  std::vector<const SourceKind*> fitting;
+  for (const SourceKind& kind : w.kinds) {
+    if (kind.type == name) {
+      if (const std::string why = misfit(kind, w); !why.empty())
+        throw InputError(where + ": '" + kind.type + "' " + why);
+      return kind;
     }
-    const bool asked = name == (kinds == &sourceKinds() ? "random" : "random_uncatalogued");
-    if (asked && !fitting.empty()) return *fitting[static_cast<std::size_t>(draw * fitting.size())];
+    if (fits(kind, w)) fitting.push_back(&kind);
   }
+  if (name == "random" && !fitting.empty()) return *fitting[static_cast<std::size_t>(draw * fitting.size())];
   std::vector<std::string> known;
-  for (const SourceKind& kind : sourceKinds()) known.push_back(kind.type);
+  for (const SourceKind& kind : w.kinds) known.push_back(kind.type);
   throw InputError(where + ": nothing called '" + type + "' can be hidden" + didYouMean(type, known) +
-                   "; possible are random, random_uncatalogued, " + joined(known, ", "));
+                   "; possible are random, " + joined(known, ", "));
 }
 
 }  // namespace

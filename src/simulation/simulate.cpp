@@ -278,7 +278,8 @@ SimulatedInstrument makeInstrument(const Machine& machine, const Plan& plan,
     if (visits.empty()) visits = rehearse(machine, plan, settings, sound, request);
     return visits;
   };
-  Workshop workshop{machine, chain, plan.artifact, thermal, settings, false, {}, {}, physics, rehearsed};
+  Workshop workshop{machine, chain, plan.artifact, thermal,  settings, *request.kinds, false,
+                    {},      {},    physics,       rehearsed};
   workshop.touches = std::any_of(plan.moves.begin(), plan.moves.end(),
                                  [](const PlanMove& move) { return move.kind == MoveKind::kTouch; });
   rangesOf(plan, machine, workshop.lower, workshop.upper);

@@ -20,6 +20,7 @@ struct SimulationRequest {
   std::string rough;  // how the session is rougher than the plan says: words as for Roughness::change
   std::shared_ptr<const CorrectionTable> correction = nullptr;  // that the controller has loaded; null: none
   char correctedState = 0;  // A or B: it corrects in the blocks of a blind trial with this state; 0: always
+  const std::vector<SourceKind>* kinds = &sourceKinds();  // that can be hidden
 };
 
 /// Standard deviation of one measured value of a plan, RMS over its measurements.

@@ -10,7 +10,6 @@
 #include "session/session_summary.h"
 #include "simulation/session_csv.h"
 #include "simulation/simulate.h"
-#include "simulation/uncatalogued.h"
 #include "tools/bounds.h"
 #include "tools/commands.h"
 #include "tools/one_line.h"
@@ -100,19 +99,17 @@ void addSimulateCommand(CLI::App& app, int& exitStatus) {
   command.add_option("--truth", options.truth,
                      "write the hidden effects as YAML; the bag does not contain them");
   options.files.declare(command);
-  std::string kinds, uncatalogued;
+  std::string kinds;
   for (const SourceKind& kind : sourceKinds()) {
     std::string places;
     for (const SourceKind::KeyRule& key : kind.keys)
       if (key.standard.empty()) places += (places.empty() ? ":" : "/") + key.name;
     kinds += "  " + kind.type + places + "\n";
   }
-  for (const SourceKind& kind : uncataloguedSourceKinds()) uncatalogued += "  " + kind.type + "\n";
   command.footer(
       "Effects for --hide (=size and ,key=value set values; the others are drawn at random from the "
       "seed):\n" +
-      kinds + "Effects outside the catalogue (drawn by random_uncatalogued, never by random):\n" +
-      uncatalogued +
+      kinds +
       "Disturbances for --rough; a size (drift=2) is a multiple of the repeatability, default 1:\n"
       "  drift       every joint drifts slowly, unrelated to any sensor; the size is the RMS over the "
       "session\n"

@@ -124,7 +124,8 @@ void declare(CLI::App& app, Options* o) {
   app.add_option("--size", o->size, "RMS of what refit leaves of each, over the noise")
       ->capture_default_str()
       ->check(numberWithin(1e-6, 1e6));
-  app.add_option("--only", o->only, "kinds to draw from (see mm simulate --help)");
+  app.add_option("--only", o->only,
+                 "kinds to draw from (see mm simulate --help, and uncatalogued_kinds.cpp)");
   app.add_flag(
       "--uncatalogued", o->uncatalogued,
       "hide effects outside the catalogue: unknown_effect and a profile over the right variables are wanted");

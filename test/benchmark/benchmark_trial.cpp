@@ -44,6 +44,15 @@ EffectSpec specOf(const HiddenSource& source) {
 /// An effect that would have to be made larger than this is one that the session hardly shows.
 constexpr double kLargestFactor = 30.0;
 
+/// A session of this seed that may hide all that is judged.
+SimulationRequest sessionOf(std::uint64_t seed, std::vector<std::string> hide = {}) {
+  SimulationRequest request;
+  request.kinds = &judgedKinds();
+  request.seed = seed;
+  request.hide = std::move(hide);
+  return request;
+}
+
 /// What is hidden in an instrument; empty where the plan could not show it.
 std::vector<HiddenSource> draw(const Machine& machine, const Plan& plan, const SimulationRequest& request) {
   try {
@@ -65,8 +74,6 @@ struct Drawn {
 /// Gives a source its size. @return false where the session hardly shows it.
 bool resize(const HiddenSource& source, const Machine& machine, const Plan& quiet,
             const TrialOptions& options, double noise, Drawn& drawn) {
-  SimulationRequest alone;
-  alone.seed = drawn.seed;
   double factor = 1.0;
   Eigen::VectorXd left;
   std::string text;
@@ -74,8 +81,7 @@ bool resize(const HiddenSource& source, const Machine& machine, const Plan& quie
     HiddenSource resized = source;
     resized.numbers[0].value *= factor;
     text = resized.text();
-    alone.hide = {text};
-    left = leftOf(simulate(machine, quiet, alone), options.base);
+    left = leftOf(simulate(machine, quiet, sessionOf(drawn.seed, {text})), options.base);
     if (left.size() == drawn.clean.size()) left -= drawn.clean;
     const double rms = std::sqrt(left.squaredNorm() / std::max<Eigen::Index>(1, left.size()));
     constexpr double kNoError = 1e-12;  // m or rad: the plan does not show it
@@ -91,19 +97,16 @@ bool resize(const HiddenSource& source, const Machine& machine, const Plan& quie
 
 std::optional<Drawn> drawEffects(const Machine& machine, const Plan& quiet, const TrialOptions& options,
                                  double noise, std::uint64_t seed) {
-  const std::string any = options.uncatalogued ? "random_uncatalogued" : "random";
   for (std::uint64_t attempt = 0; attempt < 50; ++attempt) {
-    SimulationRequest request;
-    request.seed = seed * 1000 + attempt;
+    SimulationRequest request = sessionOf(seed * 1000 + attempt);
     for (int i = 0; i < options.effects; ++i)
-      request.hide.push_back(options.only.empty() ? any : options.only[(seed + i) % options.only.size()]);
+      request.hide.push_back(options.only.empty() ? "random"
+                                                  : options.only[(seed + i) % options.only.size()]);
     const std::vector<HiddenSource> sources = draw(machine, quiet, request);
     if (options.effects > 0 && sources.empty()) continue;
     Drawn drawn;
     drawn.seed = request.seed;
-    SimulationRequest nothing;
-    nothing.seed = request.seed;
-    drawn.clean = leftOf(simulate(machine, quiet, nothing), options.base);
+    drawn.clean = leftOf(simulate(machine, quiet, sessionOf(drawn.seed)), options.base);
     const bool usable = std::all_of(sources.begin(), sources.end(), [&](const HiddenSource& source) {
       const EffectSpec spec = specOf(source);
       return std::none_of(drawn.specs.begin(), drawn.specs.end(),
@@ -179,9 +182,7 @@ Trial runTrial(const Machine& machine, const TrialOptions& options, std::uint64_
   trial.hidden = drawn->specs;
   trial.hiddenText = drawn->texts;
 
-  SimulationRequest request;
-  request.seed = drawn->seed;
-  request.hide = drawn->texts;
+  SimulationRequest request = sessionOf(drawn->seed, drawn->texts);
   request.rough = options.rough;
   const Simulation simulation = simulate(machine, plan, request);
   const Model model(machine, observedDomain(simulation.session), options.base);

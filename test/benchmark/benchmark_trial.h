@@ -42,7 +42,7 @@ struct TrialOptions {
   int effects = 1;                // how many to hide
   double size = 1.0;              // RMS of what is left of each after refit, over the noise
   std::vector<std::string> only;  // types to draw from; empty: all kinds
-  bool uncatalogued = false;      // hide effects outside the catalogue
+  bool uncatalogued = false;      // what is hidden, those of `only`, is outside the catalogue
   std::vector<EffectSpec> base;   // the model that knows nothing of what is hidden
   std::string rough;              // how the sessions are rougher than the plan says: as for mm simulate
 };

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "diagnosis/diagnose.h"
-#include "simulation/uncatalogued.h"
+#include "uncatalogued.h"
 
 namespace mm {
 

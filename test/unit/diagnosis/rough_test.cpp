@@ -2,8 +2,6 @@
 // shares no code and no kernel with the diagnosis.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 #include "diagnosis/diagnose.h"
 #include "effects/inputs.h"
 #include "effects/registry.h"
@@ -77,19 +75,6 @@ TEST(Rough, DriftIsToldAndTheNoiseIsWhatIsLeftOfIt) {
 }
 
 TEST(Rough, HeavyTailsAreSeen) { EXPECT_GT(rough({}, "tails", 36).tailDof, 0.0); }
-
-TEST(Rough, AnUnknownErrorIsAProfileOverItsVariables) {
-  const Diagnosis d = rough(
-      {"{type: uncatalogued_damp_bow, axis: x, direction: z, covariate: humidity, size: 3 um}"}, "", 37);
-  EXPECT_EQ(d.verdict, Verdict::kUnknownEffect) << d.sentence;
-  ASSERT_FALSE(d.profiles.empty()) << d.sentence;
-  EXPECT_EQ(d.profiles[0].direction, "z");
-  std::vector<std::string> variables = d.profiles[0].variables;
-  std::sort(variables.begin(), variables.end());
-  EXPECT_EQ(variables, (std::vector<std::string>{"humidity", "x"})) << d.sentence;
-  EXPECT_LT(d.heldOut, 1.15 * kPlanNoise);
-  EXPECT_FALSE(d.profiles[0].curve.empty());
-}
 
 TEST(Rough, TheSecondHarmonicOfAScrewInTheModelIsAScrewToo) {
   const Diagnosis d =

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/units.h"
+#include "simulation/setting.h"
 #include "simulation/simulate.h"
 #include "simulation/wander.h"
 
@@ -35,8 +36,10 @@ instrument:
 }
 
 Simulation simulated(const std::string& plan, const std::string& rough, std::uint64_t seed = 1,
-                     std::vector<std::string> hide = {}) {
+                     std::vector<std::string> hide = {},
+                     const std::vector<SourceKind>& kinds = sourceKinds()) {
   SimulationRequest request;
+  request.kinds = &kinds;
   request.seed = seed;
   request.hide = std::move(hide);
   request.rough = rough;
@@ -358,15 +361,29 @@ TEST(Roughness, WithNoneOfItNothingChanges) {
   }
 }
 
+/// A kind whose error is made of all that the session goes through.
+const std::vector<SourceKind>& kindsByVisits() {
+  static const std::vector<SourceKind> kinds = {
+      {"visits", {}, {{"size", "m", 1e-6, 4e-6}}, [](const Making& m) {
+         double sum = 0.0;
+         for (const Condition& c : m.workshop.visits())
+           sum += c.time * c.drive[0] + c.velocity[1] + c.bodies[0];
+         m.add([sum](const Instant& i, Distortion& d) { d.travel[0] += i.number("size") * sum; });
+       }}};
+  return kinds;
+}
+
 TEST(Roughness, WhatIsHiddenIsTheSameOnARoughMachine) {
-  for (const char* kind : {"random", "random_uncatalogued"})
+  for (const std::vector<SourceKind>* kinds : {&sourceKinds(), &kindsByVisits()})
     for (std::uint64_t seed = 1; seed <= 12; ++seed) {
-      const Simulation smooth = simulated(withNoise(40), "", seed, {kind}),
-                       rough = simulated(withNoise(40), "all,quantised", seed, {kind});
+      const auto hiding = [&](const char* rough) {
+        return simulated(withNoise(40), rough, seed, {"random"}, *kinds);
+      };
+      const Simulation smooth = hiding(""), rough = hiding("all,quantised");
       ASSERT_EQ(smooth.hidden.size(), 1u);
       EXPECT_EQ(smooth.hidden[0].text(), rough.hidden[0].text());
       // the error that it makes, to the last bit: roughness away, it is the same instrument
-      const Simulation drifting = simulated(withNoise(40), "drift", seed, {kind});
+      const Simulation drifting = hiding("drift");
       ASSERT_EQ(drifting.truth->physics().sources.size(), smooth.truth->physics().sources.size() + 3u);
       for (std::size_t i = 0; i < smooth.states.size(); i += 7) {
         Condition now;

@@ -182,6 +182,7 @@ TEST(Simulate, EverySourceShowsAndGrowsWithItsSize) {
                                              {"angular_motion", {":y/x", "arcsec", 40}},
                                              {"angular_reversal", {":y/z", "arcsec", 40}},
                                              {"straightness_reversal", {":y/z", "um", 3}},
+                                             {"friction_lever", {":x/z", "arcsec", 140}},
                                              {"thermal_expansion", {":x/motor", "ppm/K", 50}},
                                              {"thermal_growth", {":z/bed", "um/K", 2}},
                                              {"thermal_bending", {":x/y/bed/frame", "arcsec/K", 10}},

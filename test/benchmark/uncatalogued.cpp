@@ -1,4 +1,4 @@
-#include "simulation/uncatalogued.h"
+#include "uncatalogued.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -57,7 +57,7 @@ void build(const UncataloguedKind& kind, const Making& m) {
   const std::vector<Condition>& visits = w.visits();
   if (visits.empty())
     throw InputError("'" + source.type + "' cannot be hidden in a plan that measures nothing");
-  const auto setting = std::make_shared<const Setting>(source, w, visits);
+  const auto setting = std::make_shared<const VisitedSetting>(source, w, visits);
   Quantity shape = [&kind, setting](const Condition& c) { return kind.shape({*setting, c}); };
   if (kind.qualified) shape = qualified(shape, setting->linearAxes, visits);
   const Spread spread = spreadOf(shape, visits);
@@ -71,8 +71,8 @@ void build(const UncataloguedKind& kind, const Making& m) {
     return factor * (shape(c) - mean);
   };
   if (kind.along == Along::kApproach)  // the tip is farther on than it says
-    return m.add([error](const Instant& i, Distortion& d) {
-      const Eigen::Vector3d motion = i.tipMotion();
+    return m.add([error, setting](const Instant& i, Distortion& d) {
+      const Eigen::Vector3d motion = VisitedInstant(*setting, i.now).tipMotion();
       const double speed = motion.norm();
       if (speed > 0.0) d.tipShift += error(i.now) / speed * motion;
     });
@@ -103,14 +103,14 @@ UncataloguedTruth uncataloguedTruth(const HiddenSource& source, const Machine& m
   return truth;
 }
 
-const std::vector<SourceKind>& uncataloguedSourceKinds() {
+const std::vector<SourceKind>& judgedKinds() {
   static const std::vector<SourceKind> kinds = [] {
-    std::vector<SourceKind> list;
+    std::vector<SourceKind> list = sourceKinds();
     for (const UncataloguedKind& kind : uncataloguedKinds()) {
       std::vector<SourceKind::NumberRule> numbers = {{"size", "m", 1e-6, 4e-6, true}};
       numbers.insert(numbers.end(), kind.shapeNumbers.begin(), kind.shapeNumbers.end());
       list.push_back({kind.type, kind.keys, numbers, [&kind](const Making& m) { build(kind, m); },
-                      needsMotion(kind) ? SourceKind::Probe::kTouch : SourceKind::Probe::kAny});
+                      needsMotion(kind) ? SourceKind::Probe::kTouch : SourceKind::Probe::kAny, true});
     }
     return list;
   }();

@@ -1,4 +1,4 @@
-#include "simulation/uncatalogued.h"
+#include "uncatalogued.h"
 
 #include <gtest/gtest.h>
 
@@ -9,6 +9,9 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "diagnosis/diagnose.h"
+#include "model/observed_domain.h"
+#include "nine_ball_plate.h"
 #include "session/plan.h"
 #include "simulation/simulate.h"
 
@@ -40,19 +43,21 @@ const Plan& plan() {
   return read;
 }
 
-Simulation run(const std::string& hide, std::uint64_t seed = 1) {
+SimulationRequest requestOf(const std::string& hide, std::uint64_t seed) {
   SimulationRequest request;
+  request.kinds = &judgedKinds();
   if (!hide.empty()) request.hide = {hide};
   request.seed = seed;
-  return simulate(machine(), plan(), request);
+  return request;
+}
+
+Simulation simulatedWith(const std::string& hide, std::uint64_t seed = 1) {
+  return simulate(machine(), plan(), requestOf(hide, seed));
 }
 
 /// The instrument alone: who asks for its errors needs no session of it.
 SimulatedInstrument built(const std::string& hide, std::uint64_t seed) {
-  SimulationRequest request;
-  request.hide = {hide};
-  request.seed = seed;
-  return makeInstrument(machine(), plan(), request);
+  return makeInstrument(machine(), plan(), requestOf(hide, seed));
 }
 
 Eigen::Vector3d unitOf(const std::string& direction, const TrueState& state) {
@@ -109,7 +114,7 @@ TEST(Uncatalogued, ThereAreManyKindsAndNoneIsOfTheCatalogue) {
 
 TEST(Uncatalogued, SizeIsTheRmsAlongTheDirectionAndNothingGoesElsewhere) {
   for (const UncataloguedKind& kind : uncataloguedKinds()) {
-    const Simulation s = run(kind.type + "=2um", 7);
+    const Simulation s = simulatedWith(kind.type + "=2um", 7);
     ASSERT_EQ(s.hidden.size(), 1u);
     ASSERT_EQ(s.missed, 0) << kind.type;
     const UncataloguedTruth truth = uncataloguedTruth(s.hidden[0], machine());
@@ -130,7 +135,7 @@ TEST(Uncatalogued, SizeIsTheRmsAlongTheDirectionAndNothingGoesElsewhere) {
 }
 
 TEST(Uncatalogued, TheErrorDependsOnJustTheVariablesItStates) {
-  const std::vector<Condition> conditions = conditionsOf(run(""));
+  const std::vector<Condition> conditions = conditionsOf(simulatedWith(""));
   const char* const joints[] = {"x", "y", "z"};
   constexpr double kNothing = 1e-13, kSomething = 2e-8;  // m, of an error of 2 um
   for (const UncataloguedKind& kind : uncataloguedKinds()) {
@@ -168,7 +173,7 @@ TEST(Uncatalogued, TheErrorDependsOnJustTheVariablesItStates) {
 }
 
 TEST(Uncatalogued, AnErrorByTheDirectionOfTravelIsTheSameAtEverySpeed) {
-  const Simulation s = run("uncatalogued_friction_lever:x/y=2um", 3);
+  const Simulation s = simulatedWith("uncatalogued_friction_lever:x/y=2um", 3);
   const Source& source = s.truth->physics().sources[0];
   const auto errorAt = [&](Condition c, double velocity) {
     c.velocity = {velocity, 1e-3, -1e-3};
@@ -188,7 +193,7 @@ TEST(Uncatalogued, AnErrorByTheDirectionOfTravelIsTheSameAtEverySpeed) {
 
 TEST(Uncatalogued, WhatWasHiddenCanBeHiddenAgainAndScales) {
   for (const UncataloguedKind& kind : uncataloguedKinds()) {
-    const Simulation first = run(kind.type, 5);
+    const Simulation first = simulatedWith(kind.type, 5);
     HiddenSource twice = first.hidden[0];
     twice.numbers[0].value *= 2.0;
     const SimulatedInstrument again = built(twice.text(), 5);
@@ -205,19 +210,26 @@ TEST(Uncatalogued, WhatWasHiddenCanBeHiddenAgainAndScales) {
   }
 }
 
-TEST(Uncatalogued, OnlyTheirOwnRandomDrawsThem) {
-  std::set<std::string> drawn;
-  SimulationRequest request;
-  for (request.seed = 1; request.seed <= 150; ++request.seed) {
-    request.hide = {"random"};
-    EXPECT_FALSE(isUncatalogued(makeInstrument(machine(), plan(), request).hidden[0].type));
-    if (request.seed > 60) continue;
-    request.hide = {"random_uncatalogued"};
-    const SimulatedInstrument instrument = makeInstrument(machine(), plan(), request);
-    EXPECT_TRUE(isUncatalogued(instrument.hidden[0].type));
-    drawn.insert(instrument.hidden[0].type);
-  }
-  EXPECT_GT(drawn.size(), 18u);
+TEST(Uncatalogued, RandomNeverDrawsThem) {
+  for (std::uint64_t seed = 1; seed <= 150; ++seed)
+    EXPECT_FALSE(isUncatalogued(built("random", seed).hidden[0].type));
+}
+
+TEST(Uncatalogued, ADiagnosisTellsAProfileOverTheVariables) {
+  constexpr double kPlanNoise = 0.3e-6;  // m, of the plan
+  const Simulation s = simulate(
+      machine(), test::everydayPlate(machine()),
+      requestOf("{type: uncatalogued_damp_bow, axis: x, direction: z, covariate: humidity, size: 3 um}", 37));
+  const std::vector<EffectSpec> nothing;
+  const Diagnosis d = diagnose(s.session, Model(machine(), observedDomain(s.session), nothing), {});
+  EXPECT_EQ(d.verdict, Verdict::kUnknownEffect) << d.sentence;
+  ASSERT_FALSE(d.profiles.empty()) << d.sentence;
+  EXPECT_EQ(d.profiles[0].direction, "z");
+  std::vector<std::string> variables = d.profiles[0].variables;
+  std::sort(variables.begin(), variables.end());
+  EXPECT_EQ(variables, (std::vector<std::string>{"humidity", "x"})) << d.sentence;
+  EXPECT_LT(d.heldOut, 1.15 * kPlanNoise);
+  EXPECT_FALSE(d.profiles[0].curve.empty());
 }
 
 TEST(Uncatalogued, WhatThePlanCannotShowIsRefused) {
@@ -225,14 +237,11 @@ TEST(Uncatalogued, WhatThePlanCannotShowIsRefused) {
                                     {}, Machine::load("five_axis"));
   for (const char* text : {"uncatalogued_friction_lever:x/y=1um",  // nothing is touched
                            "uncatalogued_diagonal_ribs:y/z=1um",   // y and z stand still
-                           "uncatalogued_nothing", "uncatalogued_guide_load:x/x=1um", "random_uncatalogue"}) {
-    SimulationRequest request;
-    request.hide = {text};
-    EXPECT_THROW(simulate(Machine::load("five_axis"), standing, request), InputError) << text;
-  }
-  SimulationRequest request;
-  request.hide = {"uncatalogued_diagonal_ribs:y/z=1um"};
-  EXPECT_THROW(simulate(Machine::load("five_axis"), standing, request), SourceNotShown)
+                           "uncatalogued_nothing", "uncatalogued_guide_load:x/x=1um"})
+    EXPECT_THROW(simulate(Machine::load("five_axis"), standing, requestOf(text, 1)), InputError) << text;
+  EXPECT_THROW(
+      simulate(Machine::load("five_axis"), standing, requestOf("uncatalogued_diagonal_ribs:y/z=1um", 1)),
+      SourceNotShown)
       << "by which a benchmark draws another";
 }
 

@@ -4,7 +4,7 @@
 
 #include "base/error.h"
 #include "simulation/catalogue.h"
-#include "simulation/setting.h"
+#include "visits.h"
 
 namespace mm {
 
@@ -34,8 +34,8 @@ struct UncataloguedKind {
   std::string type, cause;
   Along along = Along::kDirection;
   std::vector<SourceKind::KeyRule> keys;
-  std::vector<std::string> variables;         // a key in brackets stands for its value: `[axis] speed`
-  double (*shape)(const Instant&) = nullptr;  // of any size
+  std::vector<std::string> variables;                // a key in brackets stands for its value: `[axis] speed`
+  double (*shape)(const VisitedInstant&) = nullptr;  // of any size
   std::vector<SourceKind::NumberRule> shapeNumbers = {};  // of which it is made; after the size
   bool qualified = false;                                 // less what a qualification of the probe takes out
 };
@@ -45,8 +45,8 @@ const std::vector<UncataloguedKind>& uncataloguedKinds();
 bool isUncatalogued(const std::string& type);
 /// @throw InputError when the source is not uncatalogued.
 UncataloguedTruth uncataloguedTruth(const HiddenSource& source, const Machine& machine);
-/// The same kinds as the simulation hides them: `random` never draws them, `random_uncatalogued` draws only
-/// them. Their size is the RMS along their direction over the measurements of the session, without its mean.
-const std::vector<SourceKind>& uncataloguedSourceKinds();
+/// All that a benchmark hides: what `random` draws from, and these, which it never draws. Their size is the
+/// RMS along their direction over the measurements of the session, without its mean.
+const std::vector<SourceKind>& judgedKinds();
 
 }  // namespace mm
