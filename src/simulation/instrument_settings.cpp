@@ -50,7 +50,6 @@ void readPlacement(const YamlMapping& map, PlacementSettings& placement) {
   set(map, "shift_mm", kMillimetre, 0.0, kAny, placement.shift);
   set(map, "turn_deg", kDegree, 0.0, kAny, placement.turn);
   set(map, "free_centres_mm", kMillimetre, 0.0, kAny, placement.freeCentres);
-  set(map, "form_um", kMicrometre, 0.0, kAny, placement.form);
 }
 
 /// Keys from_min and to_min, which keeps its value where the key is missing.
@@ -76,7 +75,6 @@ HeatSchedule readHeat(const YAML::Node& node, const std::string& source, const T
 
 void readThermal(const YamlMapping& map, ThermalSettings& thermal) {
   const ThermalModel bodies = InstrumentSettings().thermalModel();
-  set(map, "start_offset_K", 1.0, -100.0, 100.0, thermal.startOffset);
   set(map, "sensor_lag_s", 1.0, 0.0, kAny, thermal.sensorLag);
   set(map, "log_period_s", 1.0, 0.01, kAny, thermal.logPeriod);
   if (map.has("sensors")) {
@@ -122,7 +120,7 @@ TrueCovariate readCovariate(const YAML::Node& node, const std::string& source) {
 
 ThermalModel InstrumentSettings::thermalModel() const {
   return ThermalModel(ThermalModel::usualBodies(), ThermalModel::usualContacts(), thermal.heat,
-                      thermal.ambient, thermal.startOffset);
+                      thermal.ambient);
 }
 
 InstrumentSettings InstrumentSettings::parse(const std::string& planYaml, const std::string& source) {
@@ -140,10 +138,9 @@ InstrumentSettings InstrumentSettings::parse(const std::string& planYaml, const 
            "reference_um", "reference_arcsec", "laser_um", "laser_dropout", "temperature_K", "outliers"},
           readNoise, settings.noise);
   section("laser", {"range_mm", "max_incidence_deg"}, readLaser, settings.laser);
-  section("placement", {"shift_mm", "turn_deg", "free_centres_mm", "form_um"}, readPlacement,
-          settings.placement);
-  section("thermal", {"start_offset_K", "sensor_lag_s", "log_period_s", "sensors", "ambient", "heat"},
-          readThermal, settings.thermal);
+  section("placement", {"shift_mm", "turn_deg", "free_centres_mm"}, readPlacement, settings.placement);
+  section("thermal", {"sensor_lag_s", "log_period_s", "sensors", "ambient", "heat"}, readThermal,
+          settings.thermal);
   if (map.has("covariates")) {
     if (!map.node("covariates").IsSequence()) map.fail("covariates", "must be a list");
     for (const YAML::Node& node : map.node("covariates"))

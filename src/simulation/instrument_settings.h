@@ -36,13 +36,11 @@ struct PlacementSettings {
   double shift = 50e-6;          // m, when the pose is free
   double turn = 0.03 * kDegree;  // rad, when the pose is free
   double freeCentres = 50e-6;    // m, features whose position is free
-  double form = 0.0;             // m, amplitude of the balls' form error
 };
 
 /// Room, heat and sensors.
 struct ThermalSettings {
   Ambient ambient;
-  double startOffset = 0.0;  // K, of every body above the room
   std::vector<HeatSchedule> heat;
   std::vector<std::string> sensors = {"bed", "frame", "motor",
                                       "air"};  // names of bodies; they name the topics too

@@ -270,7 +270,6 @@ SimulatedInstrument makeInstrument(const Machine& machine, const Plan& plan,
   if (!plan.artifact.poseKnown)
     physics.artifact.place(settings.placement.shift, settings.placement.turn, placing);
   physics.artifact.scatterFree(plan.artifact, settings.placement.freeCentres, placing);
-  if (settings.placement.form > 0.0) physics.artifact.roughen(settings.placement.form, placing);
 
   const Physics sound = physics;
   std::vector<Condition> visits;

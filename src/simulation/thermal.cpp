@@ -23,10 +23,9 @@ double Ambient::at(double time) const {
 }
 
 ThermalModel::ThermalModel(std::vector<Body> bodies, std::vector<Contact> contacts,
-                           std::vector<HeatSchedule> heat, Ambient ambient, double startOffset)
+                           std::vector<HeatSchedule> heat, Ambient ambient)
     : bodies_(std::move(bodies)), contacts_(std::move(contacts)), heat_(std::move(heat)), ambient_(ambient) {
-  temperatures_.assign(bodies_.size(), ambient_.at(0.0) + startOffset);
-  temperatures_.push_back(ambient_.at(0.0));
+  temperatures_.assign(bodies_.size() + 1, ambient_.at(0.0));
   record();
 }
 

@@ -49,9 +49,9 @@ struct Ambient {
 /// The last body is always the air, whose temperature is given.
 class ThermalModel {
  public:
-  /// All bodies start at the room's temperature plus `startOffset` (K).
+  /// All bodies start at the room's temperature.
   ThermalModel(std::vector<Body> bodies, std::vector<Contact> contacts, std::vector<HeatSchedule> heat,
-               Ambient ambient, double startOffset = 0.0);
+               Ambient ambient);
   /// motor, frame, bed, air of a machine as large as a shoe box.
   static std::vector<Body> usualBodies();
   static std::vector<Contact> usualContacts();

@@ -29,7 +29,7 @@ Eigen::Vector3d randomVector(Random& random) {
 }
 
 double TrueArtifact::Form::at(const Eigen::Vector3d& normal) const {
-  double sum = -mean + amplitude * std::sin(wave.dot(normal) + phase);
+  double sum = -mean;
   for (const Lobe& lobe : lobes) sum += lobe.height * legendre(lobe.degree, lobe.pole.dot(normal));
   constexpr double kNarrow = 20.0;  // exp(20 (cos - 1)) falls to a half at 15 degrees
   if (spotDepth != 0.0) sum -= spotDepth * std::exp(kNarrow * (spot.dot(normal) - 1.0));
@@ -65,14 +65,6 @@ void TrueArtifact::scatterFree(const Artifact& artifact, double distance, Random
     if (!artifact.features[f].known) positions_[f] += distance * randomVector(random);
 }
 
-void TrueArtifact::roughen(double amplitude, Random& random) {
-  for (Form& form : forms_) {
-    form.wave = randomVector(random).normalized() * random.uniform(2.0, 5.0);
-    form.phase = random.uniform(0.0, 2.0 * kPi);
-    form.amplitude = amplitude;
-  }
-}
-
 void TrueArtifact::misshape(double rms, Random& random) {
   const std::vector<Eigen::Vector3d> directions = allRound();
   for (std::size_t f = 0; f < forms_.size(); ++f) {
@@ -96,9 +88,6 @@ void TrueArtifact::misshape(double rms, Random& random) {
     for (Lobe& lobe : form.lobes) lobe.height *= factor;
     form.spotDepth *= factor;
     form.mean *= factor;
-    form.wave = forms_[f].wave;
-    form.phase = forms_[f].phase;
-    form.amplitude = forms_[f].amplitude;
     forms_[f] = form;
   }
 }

@@ -24,8 +24,6 @@ class TrueArtifact {
   void turn(double angle, const Eigen::Vector3d& about, const Eigen::Vector3d& by);
   /// Moves every feature whose position is not known, at random (m, standard deviation of each component).
   void scatterFree(const Artifact& artifact, double distance, Random& random);
-  /// Form error of every ball: long random waves over its surface of this amplitude (m).
-  void roughen(double amplitude, Random& random);
   /// Every ball is lobed and has one worn spot (RMS over its surface: `rms`, m), its radius and its centre
   /// are other than stated (standard deviation of the radius and of each component of the centre: `rms`).
   void misshape(double rms, Random& random);
@@ -48,8 +46,6 @@ class TrueArtifact {
     double height;
   };
   struct Form {
-    Eigen::Vector3d wave = Eigen::Vector3d::Zero();
-    double phase = 0.0, amplitude = 0.0;
     std::vector<Lobe> lobes;
     Eigen::Vector3d spot = Eigen::Vector3d::Zero();  // zero: not worn
     double spotDepth = 0.0, mean = 0.0;
