@@ -57,16 +57,13 @@ GeneticResult runNiching(GeneticFitness& fitness, const GeneticRanges& ranges,
     for (std::size_t i = 0; i < above; ++i) {
       const double* candidate = run.ranked(i);
       bool close = false;
-      const std::size_t templates =
-          settings.templates == NichingTemplates::kEach ? kept : std::min<std::size_t>(kept, 1);
-      for (std::size_t k = 0; settings.eliminate && !close && k < templates; ++k)
+      for (std::size_t k = 0; settings.eliminate && !close && k < kept; ++k)
         close = separation(candidate, pooled(k), ranges) < nearest;
       if (!close) std::copy_n(candidate, n, pooled(kept++));
     }
     GeneticRandom refill = run.random(population);  // a stream of its own
     const std::size_t parents = kept;
-    const bool reproduce = settings.refill == NichingRefill::kReproduce;
-    for (std::size_t below = population - above; reproduce && below > 0; --below)
+    for (std::size_t below = population - above; below > 0; --below)
       std::copy_n(pooled(refill.below(parents)), n, pooled(kept++));
     while (kept < population) run.fillRandom(pooled(kept++), refill);
 

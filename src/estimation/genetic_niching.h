@@ -3,19 +3,6 @@
 
 namespace mm {
 
-/// Which of the kept chromosomes drive away those close to them.
-enum class NichingTemplates {
-  kFittest,  // the fittest only, as LASER says
-  kEach      // each in turn, from the fittest on: one chromosome a niche is left
-};
-
-/// What takes the places of chromosomes that are not above the mean fitness. Those that the elimination drops
-/// are always replaced by random chromosomes.
-enum class NichingRefill {
-  kReproduce,  // copies of kept ones, drawn at random
-  kRandom      // random chromosomes
-};
-
 /// Settings of `niching`. Crossover, mutation and precision are LASER's; the paper does not state the others.
 /// Their defaults were found by trial on LASER's Table 2, ranges of 1 mm, 0.6 deg and 0.1 about the nominal
 /// mount (examples/laser_probe/convergence.py). With so narrow ranges there is one niche: the traditional
@@ -32,8 +19,6 @@ struct NichingSettings : GeneticSettings {
   /// Chromosomes closer than this are dropped: Euclidean distance, each gene in parts of its range, divided
   /// by the root of the number of genes (so that 1 is the diagonal of the ranges).
   double threshold = 0.1;
-  NichingRefill refill = NichingRefill::kReproduce;
-  NichingTemplates templates = NichingTemplates::kEach;
   /// False: the traditional genetic algorithm that LASER compares with, the same without the elimination of
   /// close ones.
   bool eliminate = true;
@@ -46,8 +31,8 @@ struct NichingSettings : GeneticSettings {
 };
 
 /// The improved genetic algorithm of LASER: sort by fitness 1 / (1 + cost) (12); keep those above the mean
-/// fitness; drop those that are close to a fitter one; refill at random; cross and mutate. The best
-/// chromosome always lives on.
+/// fitness; drop those that are close to any fitter one (LASER: to the fittest), for random ones, and take
+/// copies of kept ones for those below the mean; cross and mutate. The best chromosome always lives on.
 /// @throw InputError for invalid settings, or ranges that do not fit the fitness; NumericalError when no
 /// chromosome has a finite cost. An exception of the fitness or of a callback passes through.
 GeneticResult runNiching(GeneticFitness& fitness, const GeneticRanges& ranges,

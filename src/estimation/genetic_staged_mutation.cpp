@@ -24,10 +24,9 @@ struct Axes {
   bool genes = false;  // row i changes gene i only
 };
 
-Axes axesOf(const GeneticFitness& fitness, const GeneticRanges& ranges, MutationAxes kind) {
+Axes axesOf(const GeneticFitness& fitness, const GeneticRanges& ranges) {
   const std::size_t n = ranges.dimension();
-  Axes axes;
-  if (kind == MutationAxes::kPrincipal) axes.rows = fitness.principalAxes(ranges);
+  Axes axes{fitness.principalAxes(ranges), {}};
   axes.genes = axes.rows.empty();
   if (axes.genes) {
     axes.rows.assign(n * n, 0.0);
@@ -76,7 +75,7 @@ GeneticResult runStagedMutation(GeneticFitness& fitness, const GeneticRanges& ra
   settings.validate();
   GeneticRun run(kStagedMutation, fitness, ranges, settings, control);
   const std::size_t n = run.dimension();
-  const Axes axes = axesOf(fitness, ranges, settings.axes);
+  const Axes axes = axesOf(fitness, ranges);
   const std::size_t axisCount = axes.most.size();
   const auto shareOf = [&](double share) {
     return std::max<std::size_t>(1, static_cast<std::size_t>(share * static_cast<double>(run.population())));
