@@ -1,6 +1,5 @@
 """The workbench in a browser: the whole loop by its buttons, every view, its limits. Prints `ok …` and `not ok …` lines.
 MM_SCREENSHOTS=<folder> keeps a picture of each view in both widths and both colours."""
-import io
 import json
 import os
 import re
@@ -8,7 +7,6 @@ import signal
 import struct
 import subprocess
 import sys
-import tarfile
 import tempfile
 import threading
 import urllib.parse
@@ -115,11 +113,11 @@ def pictures(browser):
 def export(browser):
     go(browser, "correct")
     browser.click("Export", "document.querySelector('#controller').closest('section')")
-    address = browser.wait("[...document.querySelectorAll('a.button')].filter((a) => a.innerText === 'Keep the export').map((a) => a.href)[0]", 120)
-    with urllib.request.urlopen(address, timeout=60) as answer:
-        tar = tarfile.open(fileobj=io.BytesIO(answer.read()))
-    names = [os.path.basename(n) for n in tar.getnames()]
-    check("the export is one file", "README.md" in names and "representability.json" in names, names)
+    files = "Object.fromEntries([...document.querySelectorAll('a.button')].filter((a) => a.href.includes('/download/export/')).map((a) => [a.download, a.href]))"
+    addresses = browser.wait("(() => { const files = %s; return files['README.md'] && files['representability.json'] && files; })()" % files, 120)
+    with urllib.request.urlopen(addresses["representability.json"], timeout=60) as answer:
+        names = [os.path.basename(f["path"]) for f in json.load(answer)["files"]]
+    check("each file of the export is kept", sorted(names) == sorted(addresses), (names, sorted(addresses)))
 
 
 def hiccups(browser, bench):
