@@ -22,12 +22,6 @@ constexpr double kStopRefused = 1.5;  // s until that is hopeless
 LinuxCncController::~LinuxCncController() { close(); }
 
 void LinuxCncController::open(const ControllerSetup& setup) {
-  for (const char* gone : {"address", "connect_password", "enable_password"})
-    if (setup.parameters.count(gone) > 0)
-      throw InputError(
-          "parameter '" + std::string(gone) +
-          "' of the linuxcnc controller is not used: the driver talks to LinuxCNC through its Python module, "
-          "without linuxcncrsh; remove it, and run the driver on LinuxCNC's computer as its user");
   refuseUnknownParametersOf(setup, "linuxcnc",
                             {"axes", "sign", "zero", "coordinates", "poll_rate", "servo_period",
                              "connect_timeout", "homing_timeout", "silence", "dead_man", "helper"});

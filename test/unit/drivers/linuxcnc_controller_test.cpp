@@ -278,13 +278,7 @@ TEST_F(LinuxCncTest, AMachineInInchesIsRefused) {
               "LINEAR_UNITS");
 }
 
-TEST_F(LinuxCncTest, ParametersOfLinuxcncrshAreRefusedWithTheRemedy) {
-  for (const char* name : {"address", "connect_password", "enable_password"}) {
-    LinuxCncController controller;
-    const std::string why = refusal([&] { controller.open(controllerSetup(machine_, {{name, "x"}})); });
-    expectWords(why, name);
-    expectWords(why, "remove it");
-  }
+TEST_F(LinuxCncTest, AHelperThatIsNotThereIsNamed) {
   LinuxCncController controller;
   expectWords(refusal([&] {
                 controller.open(controllerSetup(machine_, {{"helper", "/nowhere"}}));
