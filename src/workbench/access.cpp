@@ -1,10 +1,5 @@
 #include "workbench/access.h"
 
-#include <arpa/inet.h>
-#include <ifaddrs.h>
-#include <net/if.h>
-#include <netinet/in.h>
-
 #include <algorithm>
 #include <charconv>
 #include <fstream>
@@ -65,27 +60,6 @@ std::string withPort(const std::string& host, unsigned port) {
   if (colons == 0 || (!host.empty() && host.back() == ']')) return host + end;
   if (colons > 1 && host.front() != '[') return "[" + host + "]" + end;
   return host;
-}
-
-std::vector<std::string> addressesOfThisComputer() {
-  std::vector<std::string> addresses;
-  ifaddrs* list = nullptr;
-  if (::getifaddrs(&list) != 0) list = nullptr;
-  for (const int family : {AF_INET, AF_INET6})
-    for (const ifaddrs* i = list; i != nullptr; i = i->ifa_next) {
-      if (i->ifa_addr == nullptr || i->ifa_addr->sa_family != family) continue;
-      if ((i->ifa_flags & IFF_LOOPBACK) != 0 || (i->ifa_flags & IFF_UP) == 0) continue;
-      char text[INET6_ADDRSTRLEN];
-      const void* address =
-          family == AF_INET
-              ? static_cast<const void*>(&reinterpret_cast<const sockaddr_in*>(i->ifa_addr)->sin_addr)
-              : static_cast<const void*>(&reinterpret_cast<const sockaddr_in6*>(i->ifa_addr)->sin6_addr);
-      if (::inet_ntop(family, address, text, sizeof text) == nullptr) continue;
-      if (!startsWith(text, "fe80:")) addresses.emplace_back(text);  // needs a zone
-    }
-  if (list != nullptr) ::freeifaddrs(list);
-  for (const char* loopback : {"127.0.0.1", "::1", "localhost"}) addresses.emplace_back(loopback);
-  return addresses;
 }
 
 std::vector<std::string> hostsOf(const std::string& address, unsigned port,

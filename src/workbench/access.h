@@ -18,9 +18,6 @@ bool sameToken(const std::string& a, const std::string& b);
 /// port already keeps it.
 std::string withPort(const std::string& host, unsigned port);
 
-/// Addresses that this computer has, those first that others reach it by; the loopback last. Never empty.
-std::vector<std::string> addressesOfThisComputer();
-
 /// Names under which a server on `address` and `port` is reached: the address itself, for the loopback also
 /// localhost, and those of `further`; each with its port, in small letters. One of `further` may have a port
 /// of its own: that of the near end of a tunnel.

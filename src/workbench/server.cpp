@@ -50,6 +50,10 @@ Server::Server(ServerOptions options, WebHandler& handler)
   if (failed)
     throw InputError("--address: '" + options_.address +
                      "' is not an IP address; 127.0.0.1 is this computer only");
+  if (address.is_unspecified() && options_.hosts.empty())
+    throw InputError("--address: " + options_.address +
+                     " is every address of this computer; say with --host (hosts:=) by which name or address "
+                     "browsers reach it, or listen on that address");
   if (options_.port > 65535)
     throw InputError("--port: " + std::to_string(options_.port) + " is above 65535; 0 takes any free port");
   const tcp::endpoint endpoint(address, static_cast<unsigned short>(options_.port));
@@ -63,8 +67,7 @@ Server::Server(ServerOptions options, WebHandler& handler)
                      "); choose another, or 0 for any that is free");
   port_ = acceptor_.local_endpoint().port();
   std::vector<std::string> names = options_.hosts;
-  if (address.is_unspecified())  // each of these leads here
-    for (const std::string& own : addressesOfThisComputer()) names.push_back(own);
+  if (address.is_unspecified()) names.insert(names.end(), {"127.0.0.1", "::1", "localhost"});
   hosts_ = hostsOf(options_.address, port_, names);
   accept();
   tick();
@@ -184,13 +187,7 @@ void Server::wake() {
 }
 
 std::string Server::url() const {
-  boost::system::error_code failed;
-  const auto address = boost::asio::ip::make_address(options_.address, failed);
-  std::string host = options_.address;
-  if (!options_.hosts.empty())
-    host = options_.hosts.front();
-  else if (!failed && address.is_unspecified())
-    host = addressesOfThisComputer().front();
+  const std::string& host = options_.hosts.empty() ? options_.address : options_.hosts.front();
   return "http://" + withPort(host, port_) + "/?token=" + options_.token;
 }
 

@@ -19,7 +19,7 @@ class HttpConnection;
 class LiveSocket;
 
 struct ServerOptions {
-  std::string address = "127.0.0.1";
+  std::string address = "127.0.0.1";      // every one (0.0.0.0, ::) needs one of `hosts`
   unsigned port = 0;                      // 0: any that is free
   std::string token;                      // empty: a new one
   std::vector<std::string> hosts;         // further names under which it is reached
