@@ -11,20 +11,11 @@ namespace mm {
 /// repeatability of what the plan measures (contact, laser reading or reference); 0: not rough in this way.
 struct Roughness {
   double drift = 0.0;       // RMS of the wandering of each joint over the session, about its mean
-  double settlings = 3.0;   // parts that settle while it wanders, on average of a session
   double correlated = 0.0;  // standard deviation of the noise, which then remembers the reading before
-  double correlation = 0.7;
-  double form = 0.0;     // RMS of a ball's form, of its radius error and of each component of its centre's
-  double sensors = 0.0;  // factor of the three after it
-  double sensorNoise = 0.05;                             // K
-  double sensorStep = 0.0625;                            // K, of the readings
-  double sensorOffset = 0.2;                             // K, standard deviation
-  double sensorLagLower = 30.0, sensorLagUpper = 300.0;  // s
-  double tails = 0.0;  // standard deviation of the noise, which is Student's t
-  double tailDof = 3.0;
-  double wildShare = 0.01;                  // of the readings, where `tails` is not 0
-  double wildLower = 4.0, wildUpper = 8.0;  // repeatabilities by which these are off
-  double quantised = 0.0;                   // step of the readings
+  double form = 0.0;        // RMS of a ball's form, of its radius error and of each component of its centre's
+  double sensors = 0.0;     // factor of noise, steps and offsets of the temperatures, which come late
+  double tails = 0.0;       // standard deviation of the noise, which is Student's t; few readings are wild
+  double quantised = 0.0;   // step of the readings
 
   /// Nothing of all: white noise on a perfect artifact.
   bool none() const {
@@ -39,8 +30,7 @@ struct Roughness {
   /// Changes what is named in words: `drift,form=0.5`, `all`, `all=2,quantised`, `none`. A word without a
   /// size means 1, `quantised` 3; `all` is all but `quantised`. @throw InputError naming `where`.
   void change(const std::string& words, const std::string& where);
-  /// From words, a list of words, or a mapping such as {drift: 2, tails: {size: 1, dof: 4}}.
-  /// @throw InputError naming source, line and key.
+  /// From the words of a plan. @throw InputError naming source, line and key.
   static Roughness read(const YAML::Node& node, const std::string& source);
 };
 

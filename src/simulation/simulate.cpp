@@ -244,7 +244,7 @@ void roughen(const Machine& machine, const Plan& plan, const InstrumentSettings&
     const Joint& joint = machine.joints()[j];
     Random wandering(seed, "rough drift " + joint.name);
     const double rms = rough.drift * (joint.kind == JointKind::kLinear ? size.linear : size.angular);
-    if (rms > 0.0) physics.sources.emplace_back(Wander(j, rms, rough.settlings, times, wandering));
+    if (rms > 0.0) physics.sources.emplace_back(Wander(j, rms, times, wandering));
   }
 }
 

@@ -10,6 +10,10 @@
 namespace mm {
 namespace {
 
+// of rough temperature sensors: K, K (standard deviation), K of the readings, s
+constexpr double kSensorNoise = 0.05, kSensorOffset = 0.2, kSensorStep = 0.0625;
+constexpr double kSensorLagLower = 30.0, kSensorLagUpper = 300.0;
+
 /// Speed at which the motors are as busy as they can be, as a share of the joint's highest velocity.
 double activityOf(const Machine& machine, const std::vector<double>& velocity) {
   double busy = 0.0;
@@ -41,11 +45,10 @@ SimulatedMachine::SimulatedMachine(Machine machine, Artifact artifact, Instrumen
     const int body = thermal_.findBody(name);
     const Roughness& rough = settings_.rough;
     Random making(seed, "rough sensor " + name);
-    const double lag = making.logUniform(rough.sensorLagLower, rough.sensorLagUpper);
+    const double lag = making.logUniform(kSensorLagLower, kSensorLagUpper);
     if (rough.sensors > 0.0)
-      sensors_.emplace_back(body, lag, rough.sensors * rough.sensorNoise,
-                            rough.sensors * rough.sensorOffset * making.normal(),
-                            rough.sensors * rough.sensorStep);
+      sensors_.emplace_back(body, lag, rough.sensors * kSensorNoise,
+                            rough.sensors * kSensorOffset * making.normal(), rough.sensors * kSensorStep);
     else
       sensors_.emplace_back(body, settings_.thermal.sensorLag, settings_.noise.temperature);
     sensors_.back().settle(thermal_.temperatures()[body]);

@@ -44,12 +44,12 @@ std::vector<double> walk(double session, Random& random) {
 }
 
 /// Parts that begin to settle at any time and do so within a sixtieth to a sixth of the session.
-std::vector<double> settling(double session, double count, Random& random) {
+std::vector<double> settling(double session, Random& random) {
+  constexpr double kSettlings = 3.0;  // of a session, on average
   std::vector<double> path(kValues, 0.0);
-  if (count <= 0.0) return path;
   double start = 0.0;
   for (;;) {
-    start -= std::log(1.0 - random.uniform()) * session / count;
+    start -= std::log(1.0 - random.uniform()) * session / kSettlings;
     if (start >= kValues) return path;
     const double amplitude = random.normal(), lag = random.logUniform(session / 60.0, session / 6.0);
     for (int i = static_cast<int>(start) + 1; i < kValues; ++i)
@@ -59,8 +59,7 @@ std::vector<double> settling(double session, double count, Random& random) {
 
 }  // namespace
 
-Wander::Wander(int joint, double rms, double settlings, const std::vector<double>& times, Random& random)
-    : joint_(joint) {
+Wander::Wander(int joint, double rms, const std::vector<double>& times, Random& random) : joint_(joint) {
   const double last = times.empty() ? 3600.0 : *std::max_element(times.begin(), times.end());
   const double session = (kValues - 1) / kLonger;  // in values
   spacing_ = std::max(last, 1.0) / session;
@@ -70,7 +69,7 @@ Wander::Wander(int joint, double rms, double settlings, const std::vector<double
     for (int i = 0; i < session; ++i) places.push_back(i);
   value_ = walk(session, random);
   normalise(value_, places);
-  std::vector<double> settles = settling(session, settlings, random);
+  std::vector<double> settles = settling(session, random);
   normalise(settles, places);
   for (int i = 0; i < kValues; ++i) value_[i] += kSettlingPart * settles[i];
   normalise(value_, places);

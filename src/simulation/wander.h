@@ -11,8 +11,7 @@ namespace mm {
 class Wander {
  public:
   /// @param rms m or rad, about the mean over `times` (s, of the measurements; none: an hour, evenly).
-  /// @param settlings parts that settle in that time, on average.
-  Wander(int joint, double rms, double settlings, const std::vector<double>& times, Random& random);
+  Wander(int joint, double rms, const std::vector<double>& times, Random& random);
   void operator()(const Condition& condition, Distortion& distortion) const;  ///< a Source
   /// m or rad at a time in s; beyond a quarter more than the time asked for it stays where it is.
   double at(double time) const;

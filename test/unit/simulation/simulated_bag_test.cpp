@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "read_contacts.h"
 #include "ros_bridge/bag_session.h"
-#include "session/contacts_csv.h"
 #include "simulation/session_csv.h"
 #include "simulation/simulate.h"
 
