@@ -52,7 +52,11 @@ Files& files() {
   return once;
 }
 
-mm::Session readCsv() { return mm::readContactsCsv(files().csv(), files().machine, &files().artifact); }
+mm::Session readCsv() {
+  const mm::TextFile text(files().csv());
+  const mm::Machine& machine = files().machine;
+  return mm::readTable(text, mm::ownForm(text, machine), machine, &files().artifact).session;
+}
 
 void csvToSession(benchmark::State& state) {
   files();

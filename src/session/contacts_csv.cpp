@@ -372,12 +372,6 @@ TableReading readTable(const TextFile& file, const TableForm& form, const Machin
   return reading;
 }
 
-Session readContactsCsv(const std::filesystem::path& file, const Machine& machine, const Artifact* artifact,
-                        const ProgressCallback& progress) {
-  const TextFile text(file);
-  return readTable(text, ownForm(text, machine), machine, artifact, progress).session;
-}
-
 StatesCsv readStatesCsv(const std::filesystem::path& file, const Machine& machine, const Artifact* artifact,
                         const ProgressCallback& progress) {
   const TextFile text(file);

@@ -62,10 +62,6 @@ struct TableReading {
 TableReading readTable(const TextFile& file, const TableForm& form, const Machine& machine,
                        const Artifact* artifact, const ProgressCallback& progress = {});
 
-/// The same of a CSV in the package's own columns.
-Session readContactsCsv(const std::filesystem::path& file, const Machine& machine, const Artifact* artifact,
-                        const ProgressCallback& progress = {});
-
 /// The rows of a CSV in the import format taken as states of the machine, whatever was measured there.
 struct StatesCsv {
   Session session;  // observations in the order of the file, `feature` -1 where it is not in the artifact

@@ -105,14 +105,4 @@ std::string artifactYaml(const Artifact& artifact, int indent) {
   return out;
 }
 
-std::string planYaml(const Plan& plan, const Machine& machine) {
-  std::string out = "name: " + quoted(plan.name) + "\nprobe: " + (plan.laser ? "laser" : "touch") + "\n";
-  if (!plan.artifact.features.empty()) out += "artifact:\n" + artifactYaml(plan.artifact, 2);
-  out += format("speeds: {rapid_mm_s: %.12g, rapid_deg_s: %.12g}\n", plan.rapid / kMillimetre,
-                plan.rapidRotary / kDegree);
-  out += placementsYaml(plan) + "moves:\n";
-  for (const PlanMove& move : plan.moves) out += "  - " + moveYaml(move, plan, machine) + "\n";
-  return out;
-}
-
 }  // namespace mm

@@ -11,12 +11,7 @@ std::string artifactYaml(const Artifact& artifact, int indent = 0);
 /// The key `placements` of a plan; empty: it has none.
 std::string placementsYaml(const Plan& plan);
 
-/// A plan with every move written out under `moves`: Plan::parse on the same machine gives the same moves
-/// back (to 1 nm). The simulation's settings are not in it. For the proposals of a diagnosis, and to look at
-/// a shorthand.
-std::string planYaml(const Plan& plan, const Machine& machine);
-
-/// One move as an entry of `moves`.
+/// One move as an entry of `moves`, as Plan::parse on the same machine reads it back (to 1 nm).
 std::string moveYaml(const PlanMove& move, const Plan& plan, const Machine& machine);
 
 }  // namespace mm

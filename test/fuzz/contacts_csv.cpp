@@ -1,7 +1,6 @@
 // The package's own table: as a session, and as states.
-#include "session/contacts_csv.h"
-
 #include "fuzz_support.h"
+#include "read_contacts.h"
 #include "session/artifact_file.h"
 
 namespace {

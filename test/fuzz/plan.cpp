@@ -2,7 +2,7 @@
 #include "session/plan.h"
 
 #include "fuzz_support.h"
-#include "session/plan_writer.h"
+#include "plan_written_out.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const mm::Machine machine = mm::Machine::load("three_axis");

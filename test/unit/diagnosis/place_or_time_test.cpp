@@ -21,8 +21,8 @@
 #include "long_tests.h"
 #include "model/observed_domain.h"
 #include "random_numbers.h"
+#include "read_contacts.h"
 #include "session/artifact_file.h"
-#include "session/contacts_csv.h"
 #include "session_files.h"
 
 namespace mm {

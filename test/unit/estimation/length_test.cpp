@@ -10,8 +10,8 @@
 #include "estimation/calibrate.h"
 #include "model/observed_domain.h"
 #include "random_numbers.h"
+#include "read_contacts.h"
 #include "session/artifact_file.h"
-#include "session/contacts_csv.h"
 #include "session_files.h"
 
 namespace mm {

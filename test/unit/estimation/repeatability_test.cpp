@@ -9,7 +9,7 @@
 #include "estimation/calibrate.h"
 #include "fitted_model.h"
 #include "model/observed_domain.h"
-#include "session/contacts_csv.h"
+#include "read_contacts.h"
 #include "session_files.h"
 
 namespace mm {

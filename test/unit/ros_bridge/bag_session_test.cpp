@@ -15,10 +15,10 @@
 #include <random>
 
 #include "base/error.h"
+#include "read_contacts.h"
 #include "ros_bridge/message_conversion.h"
 #include "ros_bridge/session_collector.h"
 #include "session/artifact_file.h"
-#include "session/contacts_csv.h"
 #include "session/session_hash.h"
 #include "session_files.h"
 

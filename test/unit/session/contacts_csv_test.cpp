@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "base/error.h"
+#include "read_contacts.h"
 #include "session/artifact_file.h"
 #include "session/session_hash.h"
 #include "session_files.h"

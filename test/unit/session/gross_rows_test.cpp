@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "plate_rows.h"
+#include "read_contacts.h"
 #include "session/artifact_file.h"
-#include "session/contacts_csv.h"
 #include "session/session_hash.h"
 #include "session/session_summary.h"
 #include "session_files.h"

@@ -6,7 +6,7 @@
 #include <tuple>
 
 #include "base/error.h"
-#include "session/plan_writer.h"
+#include "plan_written_out.h"
 
 namespace mm {
 namespace {

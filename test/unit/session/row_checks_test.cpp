@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "base/units.h"
-#include "session/contacts_csv.h"
+#include "read_contacts.h"
 #include "session/sense_checks.h"
 #include "session_files.h"
 

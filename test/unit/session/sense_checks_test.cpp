@@ -9,8 +9,8 @@
 #include <iostream>
 
 #include "plate_rows.h"
+#include "read_contacts.h"
 #include "session/artifact_file.h"
-#include "session/contacts_csv.h"
 #include "session_files.h"
 
 namespace mm {

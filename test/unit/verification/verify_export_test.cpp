@@ -8,8 +8,8 @@
 #include "base/format.h"
 #include "compensation_support.h"
 #include "exported_controller.h"
+#include "read_contacts.h"
 #include "report/verify_json.h"
-#include "session/contacts_csv.h"
 #include "verdict_tally.h"
 
 namespace mm {

@@ -5,7 +5,7 @@
 
 #include "compensation_support.h"
 #include "loaded_controller.h"
-#include "session/contacts_csv.h"
+#include "read_contacts.h"
 #include "session_files.h"
 #include "verification/figures.h"
 #include "verification/loading_evidence.h"
