@@ -204,7 +204,7 @@ class Recorder {
   SimulatedMachine machine_;
   const InstrumentSettings& settings_ = machine_.settings();
   Simulation result_;
-  std::shared_ptr<const CorrectionTable> correction_;  // of the blocks with that state
+  ControllerAdds correction_;  // of the blocks with that state
   char correctedState_;
   std::uint64_t seed_;
   Random noise_;

@@ -18,7 +18,7 @@ struct SimulationRequest {
   std::vector<std::string> hide;  // as for hideSource
   std::uint64_t seed = 1;
   std::string rough;  // how the session is rougher than the plan says: words as for Roughness::change
-  std::shared_ptr<const CorrectionTable> correction = nullptr;  // that the controller has loaded; null: none
+  ControllerAdds correction = {};  // what the controller adds; null: nothing
   char correctedState = 0;  // A or B: it corrects in the blocks of a blind trial with this state; 0: always
   const std::vector<SourceKind>* kinds = &sourceKinds();  // that can be hidden
 };

@@ -59,13 +59,19 @@ SimulatedMachine::SimulatedMachine(Machine machine, Artifact artifact, Instrumen
   log();
 }
 
-void SimulatedMachine::loadCorrection(std::shared_ptr<const CorrectionTable> table) {
-  correction_ = std::move(table);
+void SimulatedMachine::loadCorrection(ControllerAdds correction) {
+  correction_ = std::move(correction);
   home(drive_);
 }
 
 std::vector<double> SimulatedMachine::corrected(const std::vector<double>& command) const {
-  return correction_ ? correction_->drives(command, travelNow()) : command;
+  if (!correction_) return command;
+  std::map<std::string, double> temperatures;
+  for (std::size_t s = 0; s < sensors_.size(); ++s)
+    temperatures[settings_.thermal.sensors[s]] = sensors_[s].value();
+  std::vector<double> drives = correction_(command, travelNow(), temperatures);
+  for (std::size_t j = 0; j < drives.size(); ++j) drives[j] += command[j];
+  return drives;
 }
 
 std::vector<double> SimulatedMachine::travelNow() const {

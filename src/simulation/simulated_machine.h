@@ -1,12 +1,12 @@
 #pragma once
-#include <memory>
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "session/session.h"
-#include "simulation/correction_table.h"
 #include "simulation/instrument_settings.h"
 #include "simulation/physics.h"
 #include "simulation/reading_noise.h"
@@ -20,6 +20,14 @@ struct Trip : TrueState {
   int feature = -1;
   Eigen::Vector3d truePosition = Eigen::Vector3d::Zero();  // tip centre or surface point, workpiece
 };
+
+/// What the simulated controller adds to a commanded position before it drives there, m or rad, a joint each.
+/// The operator and every record go on to see the commanded position, as on LinuxCNC or a CNC with a pitch
+/// error table: what is right makes the tip go where it was sent. @param travel a joint: -1, +1, or 0 where
+/// it has not moved yet. @param temperatures degC, by sensor, without noise.
+using ControllerAdds =
+    std::function<std::vector<double>(const std::vector<double>& command, const std::vector<double>& travel,
+                                      const std::map<std::string, double>& temperatures)>;
 
 /// The instrument: drives, slides, probe, sensors. It is moved segment by segment, or step by step by a
 /// driver. The same seed and the same calls give the same bits. Not thread-safe.
@@ -42,12 +50,12 @@ class SimulatedMachine {
   /// As the plan has them.
   const InstrumentSettings& settings() const { return settings_; }
 
-  /// From now on the controller corrects what it is told by a table; its readings stay the commanded ones.
-  /// Only before anything else.
-  void loadCorrection(std::shared_ptr<const CorrectionTable> table);
+  /// From now on the controller corrects what it is told; its readings stay the commanded ones. Only before
+  /// anything else.
+  void loadCorrection(ControllerAdds correction);
   /// The same at standstill, in the middle of a session: the drives go there with the next motion. Null: it
   /// corrects nothing.
-  void switchCorrection(std::shared_ptr<const CorrectionTable> table) { correction_ = std::move(table); }
+  void switchCorrection(ControllerAdds correction) { correction_ = std::move(correction); }
   /// Puts the drives there without a motion: only before anything else.
   void home(const std::vector<double>& readings);
   void wait(double seconds);
@@ -115,7 +123,7 @@ class SimulatedMachine {
   ThermalModel thermal_;
   std::vector<TemperatureSensor> sensors_;
   std::vector<Play> play_;
-  std::shared_ptr<const CorrectionTable> correction_;  // null: the controller corrects nothing
+  ControllerAdds correction_;  // null: the controller corrects nothing
   std::vector<double> drive_, velocity_, travel_;
   double time_ = 0.0, nextLog_ = 0.0;
   ReadingNoise noise_;  // channels: readings of the joints, laser, deviations of the joints, x, y, z

@@ -131,7 +131,7 @@ std::vector<double> ThermalModel::recorded(double time) const {
 }
 
 double TemperatureSensor::read(Random& random) const {
-  const double reading = value_ + offset_ + noise_ * random.normal();
+  const double reading = value() + noise_ * random.normal();
   return step_ > 0.0 ? step_ * std::round(reading / step_) : reading;
 }
 

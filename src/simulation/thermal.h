@@ -93,6 +93,7 @@ class TemperatureSensor {
       : body_(body), lag_(lag), noise_(noise), offset_(offset), step_(step) {}
   void settle(double temperature) { value_ = temperature; }  ///< degC, without lag
   void advance(double seconds, double bodyTemperature);      ///< s, degC
+  double value() const { return value_ + offset_; }          ///< degC, without noise and steps
   double read(Random& random) const;                         ///< degC
   int body() const { return body_; }                         ///< index in the thermal model
 

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cstdio>
 #include <iostream>
 
@@ -8,7 +7,6 @@
 #include "calibration_file/calibration_store.h"
 #include "calibration_file/calibration_yaml.h"
 #include "compensation/apply_states.h"
-#include "compensation/compensation_table.h"
 #include "tools/bounds.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
@@ -24,7 +22,6 @@ struct ApplyOptions {
   std::string csv, calibration, output;
   StoreOptions store;
   Compensator::Options limits;
-  int table = 0;  // points along each joint; 0: no table
   OutputFiles files;
 };
 
@@ -38,28 +35,7 @@ Calibration chosenCalibration(const ApplyOptions& options) {
   return *active.calibration;
 }
 
-/// What a controller has to add, on a grid.
-void runTable(ApplyOptions& options) {
-  if (!options.csv.empty())
-    throw InputError("--table makes its own grid: omit " + options.csv + " or --table");
-  options.files.input(options.calibration);
-  if (options.output != "-") options.files.output("-o", options.output, FileKind::kTable);
-  options.files.check();
-  const Compensator compensator(chosenCalibration(options), options.limits);
-  const std::string text = compensationTable(compensator, options.table);
-  if (options.output == "-") {
-    std::cout << text;
-    return;
-  }
-  options.files.write(options.output, text);
-  std::cout << std::count(text.begin(), text.end(), '\n') - 1 << " nodes written to " << options.output
-            << '\n';
-}
-
 void runApply(ApplyOptions& options) {
-  if (options.table > 0) return runTable(options);
-  if (options.csv.empty())
-    throw InputError("nothing to correct: name a CSV of states, or give --table for a grid");
   const bool toStandardOutput = options.output == "-";
   options.files.input({options.csv, options.calibration});
   if (!toStandardOutput) options.files.output("-o", options.output, FileKind::kStates);
@@ -95,7 +71,7 @@ void runApply(ApplyOptions& options) {
 void addApplyCommand(CLI::App& app, int& exitStatus) {
   auto [options, command] = addCommand<ApplyOptions>(app, exitStatus, runApply, "apply",
                                                      "Correct the positions in a CSV with a calibration");
-  command.add_option("csv", options.csv, "states of the machine, in the import format");
+  command.add_option("csv", options.csv, "states of the machine, in the import format")->required();
   command.add_option("--calibration", options.calibration,
                      "the calibration file (default: the active calibration)");
   command.add_option("--store", options.store.folder, "folder of calibrations (default: $MM_CALIBRATIONS)");
@@ -103,10 +79,6 @@ void addApplyCommand(CLI::App& app, int& exitStatus) {
   standardOption(command, "--margin", options.limits.margin, numberWithin(0.0, 10.0),
                  "margin beyond the calibrated range within which a row is still valid, as a fraction of "
                  "the range");
-  checkedOption(
-      command, "--table", options.table, wholeNumberWithin(2, 101),
-      "instead of correcting a CSV, write the table that a controller adds to its commands, with this "
-      "number of points along each joint");
   options.files.declare(command);
   command.footer(
       "Adds corrected_x_mm, corrected_y_mm, corrected_z_mm (probe tip, or surface point of a laser, in "

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/names_of.h"
+#include "export/export_axes.h"
 #include "interpreters/loaded_compensation.h"
 #include "session/plan_ways.h"
 #include "session/session_summary.h"
@@ -21,13 +22,35 @@ namespace mm {
 namespace {
 
 struct SimulateOptions {
-  std::string machine = "three_axis", plan, output, csv, truth, correction, compensation, key;
+  std::string machine = "three_axis", plan, output, csv, truth, compensation, key;
   SimulationRequest request;
   OutputFiles files;
 };
 
+/// What the controller adds by its files, as their interpreter reads them. @return null unless there are any.
+ControllerAdds addsOf(const ControllerCompensation& compensation, const Machine& machine) {
+  const std::shared_ptr<const LoadedCompensation> loaded = loadedCompensation(compensation);
+  if (!loaded) return {};
+  const std::vector<double> anywhere(machine.joints().size(), 0.0);
+  const std::vector<ExportAxis> axes = exportAxes(machine, loaded->description().letters, anywhere, anywhere);
+  return [loaded, axes](const std::vector<double>& command, const std::vector<double>& travel,
+                        const std::map<std::string, double>& temperatures) {
+    CommandedState state;
+    state.temperature = temperatures;
+    for (const ExportAxis& axis : axes) {
+      state.position[axis.letter] = command[axis.joint];
+      state.direction[axis.letter] = static_cast<int>(travel[axis.joint]);
+    }
+    const std::map<std::string, double> found = loaded->adds(state);
+    std::vector<double> added(command.size(), 0.0);
+    for (const ExportAxis& axis : axes)
+      if (const auto value = found.find(axis.letter); value != found.end()) added[axis.joint] = value->second;
+    return added;
+  };
+}
+
 void runSimulate(SimulateOptions& options) {
-  options.files.input({options.plan, options.machine, options.correction, options.key});
+  options.files.input({options.plan, options.machine, options.key});
   options.files.bag("-o", options.output, "simulated");
   options.files.output("--csv", options.csv, FileKind::kTable);
   options.files.output("--truth", options.truth, FileKind::kTruth);
@@ -37,19 +60,18 @@ void runSimulate(SimulateOptions& options) {
   const Machine machine = Machine::load(options.machine);
   const Plan plan = Plan::load(options.plan, machine);
   warn(blockedWaysText(plan, blockedWays(plan, machine)));
-  if (!options.correction.empty())
-    options.request.correction =
-        std::make_shared<const CorrectionTable>(CorrectionTable::load(options.correction, machine));
+  options.request.correction = addsOf(compensation, machine);
   if (!options.key.empty()) {
-    if (options.correction.empty())
-      throw InputError("--key says in which blocks the correction acts: give the table with --correction");
+    if (!options.request.correction)
+      throw InputError(
+          "--key says in which blocks the controller corrects: give its tables with --compensation");
     const TrialKey key = loadKey(options.key);
     checkKey(key, allNames(plan.placements), options.plan, options.key);
     options.request.correctedState = key.on;
   }
   ProgressBar measuring("measuring");
   Simulation simulation = simulate(machine, plan, options.request, measuring.callback());
-  simulation.session.compensation = compensation;
+  if (options.key.empty()) simulation.session.compensation = compensation;  // else it was on and off
   const std::chrono::duration<double> lasted = std::chrono::steady_clock::now() - started;
   if (simulation.session.observations.empty())
     throw InputError(options.plan + ": nothing was measured: all " + std::to_string(simulation.missed) +
@@ -86,13 +108,14 @@ void addSimulateCommand(CLI::App& app, int& exitStatus) {
                      "disturbances in addition to white noise, separated by commas: drift, correlated, "
                      "form, sensors, tails, "
                      "quantised, all (see below)");
-  command.add_option("--correction", options.correction,
-                     "compensation table that the simulated controller uses, CSV (mm apply --table)");
+  command.add_option(
+      "--compensation", options.compensation,
+      "what the simulated controller has loaded, and corrects by: none, or the folder with its "
+      "tables, as mm export wrote it or as an interpreter reads it [not stated]");
   command.add_option(
       "--key", options.key,
-      "key of a blind trial (mm plan verify --blind): the table is used in the blocks with the "
+      "key of a blind trial (mm plan verify --blind): the controller corrects in the blocks with the "
       "correction on");
-  command.add_option("--compensation", options.compensation, kCompensationHelp);
   seedOption(command, options.request.seed);
   command.add_option("-o,--output", options.output, "the session's bag")->required();
   command.add_option("--csv", options.csv, "also write the session as CSV in the format of mm import");

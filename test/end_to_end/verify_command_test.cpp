@@ -120,16 +120,16 @@ TEST_F(VerifyCommandTest, knowsWhatWasExported) {
 
 TEST_F(VerifyCommandTest, aBlindTrialIsPlannedMeasuredAndOpened) {
   const std::string two = " --calibration " + *folder_ / "two.yaml", trial = *folder_ / "trial",
-                    key = trial + ".key.yaml", table = *folder_ / "table.csv";
+                    key = trial + ".key.yaml", loaded = *folder_ / "loaded";
   run("plan verify config/demo_plan.yaml" + two +
       " --blind --blocks 6 --seed 5 --touches 4 --switch-on M1 --switch-off M2 -o " + trial + ".yaml");
   EXPECT_NE(textOf(trial + ".A.txt"), textOf(trial + ".B.txt"));
   EXPECT_EQ(textOf(trial + ".yaml").find("M1"), std::string::npos);
   const Answer again = typed("plan verify config/demo_plan.yaml" + two + " --blind -o " + trial + ".yaml");
   EXPECT_EQ(again.status, 2) << "the key of a trial that may have been measured";
-  run("apply --table 5" + two + " -o " + table);
-  run("simulate --machine three_axis --plan " + trial + ".yaml --seed 6 --correction " + table + " --key " +
-      key + " -o " + trial + ".bag");
+  run("export " + *folder_ / "two.yaml" + " --to linuxcnc -o " + loaded);
+  run("simulate --machine three_axis --plan " + trial + ".yaml --seed 6 --compensation " + loaded +
+      " --key " + key + " -o " + trial + ".bag");
   const Answer helps =
       typed("verify " + trial + ".bag" + two + " --blind " + key + " --json -o " + trial + ".html");
   ASSERT_EQ(helps.status, 0) << helps.out << helps.error;

@@ -4,7 +4,6 @@
 #include <memory>
 #include <string>
 
-#include "base/format.h"
 #include "export/export_folder.h"
 #include "export/export_page.h"
 #include "export/representability.h"
@@ -46,26 +45,18 @@ class ExportedController {
   /// What the external offsets add by their file.
   Added offsets(const CommandedState& command) const { return loaded_->offsetsAdd(command); }
 
-  /// The table of a simulated controller that adds the sum of these.
-  std::string table(const std::function<Added(const CommandedState&)>& adds) const {
-    std::string text =
-        "x_mm,y_mm,z_mm,x_travel,y_travel,z_travel,correction_x_um,correction_y_um,correction_z_um\n";
-    constexpr double kMm = 1e-3;
-    for (double x = -20.0; x <= 20.0; x += 10.0)
-      for (double y = -15.0; y <= 35.0; y += 12.5)
-        for (double z = -20.0; z <= 20.0; z += 10.0)
-          for (int way = 0; way < 8; ++way) {
-            CommandedState state;
-            state.position = {{"x", x * kMm}, {"y", y * kMm}, {"z", z * kMm}};
-            state.direction = {{"x", (way & 1) != 0 ? 1 : -1},
-                               {"y", (way & 2) != 0 ? 1 : -1},
-                               {"z", (way & 4) != 0 ? 1 : -1}};
-            Added added = adds(state);
-            text += format("%g,%g,%g,%d,%d,%d,%.5f,%.5f,%.5f\n", x, y, z, state.direction["x"],
-                           state.direction["y"], state.direction["z"], added["x"] * 1e6, added["y"] * 1e6,
-                           added["z"] * 1e6);
-          }
-    return text;
+  /// A simulated controller that adds these.
+  static ControllerAdds loading(const std::function<Added(const CommandedState&)>& adds) {
+    return [adds](const auto& command, const auto& travel, const auto&) {
+      CommandedState state;
+      const std::string axes[] = {"x", "y", "z"};
+      for (std::size_t j = 0; j < 3; ++j) {
+        state.position[axes[j]] = command[j];
+        state.direction[axes[j]] = static_cast<int>(travel[j]);
+      }
+      Added added = adds(state);
+      return std::vector<double>{added["x"], added["y"], added["z"]};
+    };
   }
 
   Verification judge(const Session& session, bool named = true) const {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "compensation/compensation_table.h"
+#include "compensation/compensator.h"
 #include "session/plan_selection.h"
 #include "simulation/simulate.h"
 #include "verification/verification_plan.h"
@@ -56,44 +56,62 @@ instrument:
 )";
 }
 
-/// Exchanges the words `a` and `b` in the first line of a table.
-inline std::string withExchangedColumns(const std::string& table, const std::string& a,
-                                        const std::string& b) {
-  const std::size_t end = table.find('\n');
-  std::string header = table.substr(0, end);
-  const std::size_t atA = header.find(a), atB = header.find(b);
-  header.replace(std::max(atA, atB), atA > atB ? a.size() : b.size(), atA > atB ? b : a);
-  header.replace(std::min(atA, atB), atA < atB ? a.size() : b.size(), atA < atB ? b : a);
-  return header + table.substr(end);
+/// What a controller adds whose corrections of two joints are exchanged.
+/// @param tables also the positions and directions by which they are.
+inline ControllerAdds withExchanged(const ControllerAdds& adds, std::size_t a, std::size_t b, bool tables) {
+  return [=](std::vector<double> command, std::vector<double> travel, const auto& temperatures) {
+    if (tables) std::swap(command[a], command[b]), std::swap(travel[a], travel[b]);
+    std::vector<double> added = adds(command, travel, temperatures);
+    std::swap(added[a], added[b]);
+    return added;
+  };
 }
 
-/// The same table with every correction to the other side. @param column a number: of the first correction.
-inline std::string toTheOtherSide(const std::string& table, int corrections) {
-  std::string out;
-  std::size_t begin = 0;
-  for (bool first = true; begin < table.size(); first = false) {
-    const std::size_t end = table.find('\n', begin);
-    std::string line = table.substr(begin, end - begin);
-    std::size_t comma = line.size();
-    for (int c = 0; c < corrections && !first; ++c) {
-      comma = line.rfind(',', comma - 1);
-      if (line[comma + 1] == '-')
-        line.erase(comma + 1, 1);
-      else
-        line.insert(comma + 1, "-");
-    }
-    out += line + "\n";
-    begin = end + 1;
+/// The same with the corrections of these joints to the other side.
+inline ControllerAdds toTheOtherSide(const ControllerAdds& adds, const std::vector<std::size_t>& joints) {
+  return [=](const auto& command, const auto& travel, const auto& temperatures) {
+    std::vector<double> added = adds(command, travel, temperatures);
+    for (const std::size_t j : joints) added[j] = -added[j];
+    return added;
+  };
+}
+
+/// What makes the tip go where it is sent: linear in position and direction of travel, as the models of these
+/// tests are.
+inline ControllerAdds neededOf(const Calibration& calibration) {
+  const Compensator compensator(calibration);
+  const auto needed = [&](const Eigen::Vector3d& position, const Eigen::Vector3d& travel) -> Eigen::Vector3d {
+    State state = middleState(compensator);
+    for (int j = 0; j < 3; ++j) state.position[j] = position[j], state.travel[j] = travel[j];
+    compensator.model().place(state);
+    const Eigen::Vector3d wanted =
+        compensator.model().machine().nominal(state.position.data(), kNotMeasured).position;
+    const std::vector<double> found =
+        compensator.correctTarget(wanted, MovingState(state), state.travel).position;
+    return Eigen::Vector3d(found[0], found[1], found[2]) - position;
+  };
+  constexpr double kStep = 0.01;  // m
+  const Eigen::Vector3d forward = Eigen::Vector3d::Ones(), start = needed(Eigen::Vector3d::Zero(), forward);
+  Eigen::Matrix3d byPosition, byTravel;
+  for (int j = 0; j < 3; ++j) {
+    Eigen::Vector3d back = forward;
+    back[j] = -1.0;
+    byPosition.col(j) = (needed(kStep * Eigen::Vector3d::Unit(j), forward) - start) / kStep;
+    byTravel.col(j) = (start - needed(Eigen::Vector3d::Zero(), back)) / 2.0;
   }
-  return out;
+  return [=](const auto& command, const auto& travel, const auto&) {
+    const Eigen::Vector3d added = start + byPosition * Eigen::Vector3d(command[0], command[1], command[2]) +
+                                  byTravel * (Eigen::Vector3d(travel[0], travel[1], travel[2]) - forward);
+    return std::vector<double>{added[0], added[1], added[2]};
+  };
 }
 
 /// A machine that was calibrated, and what its controller may have loaded.
 struct LoadedController {
   Machine machine = Machine::load("three_axis");
   Calibration calibration;
-  Plan short_;        // for the fresh points
-  std::string table;  // the right one
+  Plan short_;          // for the fresh points
+  ControllerAdds adds;  // what is right
 
   /// @param seed of the calibrated session. @param rough as SimulationRequest::rough. @param model, errors
   /// what is fitted and what is hidden, if not loadedModel and loadedErrors.
@@ -113,19 +131,17 @@ struct LoadedController {
     calibration.id = "test";
     short_ = Plan::parse(planSelection(plan, machine, verificationMoves(plan, calibration, {}), "verify"),
                          "verify.yaml", ".", machine);
-    table = compensationTable(Compensator(calibration), 3);
+    adds = neededOf(calibration);
   }
 
-  /// @param loadedTable empty: nothing is loaded.
-  Session measure(std::uint64_t seed, const std::string& loadedTable, const std::string& rough = {},
+  /// @param loaded what the controller adds; null: nothing is loaded.
+  Session measure(std::uint64_t seed, const ControllerAdds& loaded, const std::string& rough = {},
                   const std::vector<std::string>& errors = loadedErrors()) const {
     SimulationRequest request;
     request.hide = errors;
     request.seed = seed;
     request.rough = rough;
-    if (!loadedTable.empty())
-      request.correction =
-          std::make_shared<const CorrectionTable>(CorrectionTable::parse(loadedTable, "table.csv", machine));
+    request.correction = loaded;
     return simulate(machine, short_, request).session;
   }
 

@@ -103,6 +103,22 @@ TEST(Simulate, ACleanMachineReadsTheTruth) {
     EXPECT_LT((s.truth->nominal(s.states[i]) - s.truePositions[i]).norm(), 1e-12);
 }
 
+TEST(Simulate, AControllerThatCorrectsStandsBesideWhatItReads) {
+  SimulationRequest request;
+  request.correction = [](const auto&, const auto& travel,
+                          const std::map<std::string, double>& temperatures) {
+    return std::vector<double>{5e-6, 2e-6 * travel[1], 1e-6 * temperatures.at("bed")};
+  };
+  const Plan plan = Plan::parse(smallPlate(30), "plan.yaml", ".", threeAxis());
+  const Simulation s = simulate(threeAxis(), plan, request);
+  for (std::size_t i = 0; i < s.states.size(); ++i) {
+    const Eigen::Vector3d beside = s.truePositions[i] - s.truth->nominal(s.states[i]);
+    EXPECT_NEAR(beside.x(), 5e-6, 1e-9);
+    EXPECT_NEAR(std::abs(beside.y()), 2e-6, 1e-9);
+    EXPECT_NEAR(beside.z(), 1e-6 * s.truth->temperature(2, s.states[i].time), 1e-6);  // the sensor is late
+  }
+}
+
 TEST(Simulate, BacklashIsHalfTheGapAgainstTheTravel) {
   const Simulation s = run(smallPlate(60), {"backlash:x=4um"});
   int up = 0, down = 0;

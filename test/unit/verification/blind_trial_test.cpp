@@ -329,16 +329,15 @@ TEST(BlindTrial, theSimulatedControllerIsSwitchedByTheKey) {
   EXPECT_EQ(plan.measurements(), 10 * controller.short_.measurements());
   EXPECT_EQ(plan.standText(plan.moves.front()),
             std::string("state ") + trial.key.order[0] + " of the correction (block 1 of 10)");
-  const auto measured = [&](const std::string& table) {
+  const auto measured = [&](const ControllerAdds& adds) {
     SimulationRequest request;
     request.hide = loadedErrors();
     request.seed = 12;
     request.correctedState = trial.key.on;
-    request.correction = std::make_shared<const CorrectionTable>(
-        CorrectionTable::parse(table, "table.csv", controller.machine));
+    request.correction = adds;
     return trialBlocks(simulate(controller.machine, plan, request).session, controller.calibration, quick());
   };
-  const TrialBlocks found = measured(controller.table);
+  const TrialBlocks found = measured(controller.adds);
   ASSERT_EQ(found.blocks.size(), 10U);
   EXPECT_TRUE(found.remarks.empty());
   for (const TrialBlockFigures& block : found.blocks) {
@@ -349,14 +348,13 @@ TEST(BlindTrial, theSimulatedControllerIsSwitchedByTheKey) {
   }
   EXPECT_EQ(opened(compareStates(found.blocks), trial.key.on, false).verdict, TrialVerdict::kHelped);
 
-  const TrialBlocks twoWrong = measured(toTheOtherSide(controller.table, 2));  // y and z
+  const TrialBlocks twoWrong = measured(toTheOtherSide(controller.adds, {1, 2}));
   const OpenedTrial wrong = opened(compareStates(twoWrong.blocks), trial.key.on, false);
   EXPECT_EQ(wrong.verdict, TrialVerdict::kWrongSign) << wrong.inWords;
   EXPECT_NE(wrong.inWords.find("the sign is wrong for y, z"), std::string::npos) << wrong.inWords;
 
-  std::string swapped = withExchangedColumns(controller.table, "correction_x_um", "correction_y_um");
-  swapped = withExchangedColumns(withExchangedColumns(swapped, "x_mm", "y_mm"), "x_travel", "y_travel");
-  const OpenedTrial exchanged = opened(compareStates(measured(swapped).blocks), trial.key.on, false);
+  const TrialBlocks swapped = measured(withExchanged(controller.adds, 0, 1, true));
+  const OpenedTrial exchanged = opened(compareStates(swapped.blocks), trial.key.on, false);
   EXPECT_EQ(exchanged.verdict, TrialVerdict::kWorse) << exchanged.inWords;
 }
 

@@ -26,7 +26,7 @@ TEST(VerifyExport, whatNoTableCarriesIsNoDrift) {
     const LoadedController controller(seed, rough);
     const ExportedController exported(controller, "linuxcnc", true);
     const Session session = controller.measure(
-        seed + 1, exported.table([&](const CommandedState& c) { return exported.tables(c); }), rough);
+        seed + 1, exported.loading([&](const CommandedState& c) { return exported.tables(c); }), rough);
     const Verification v = exported.judge(session);
     EXPECT_EQ(v.verdict, VerifyVerdict::kHelped) << v.inWords;
     EXPECT_FALSE(v.offsets) << v.inWords;
@@ -139,7 +139,8 @@ class ExportTable {
     const auto judged = [&](const std::function<Added(const CommandedState&)>& adds,
                             const std::vector<std::string>& errors = loadedErrors()) {
       ++next;
-      return exported.judge(controller.measure(next, adds ? exported.table(adds) : "", rough, errors));
+      return exported.judge(
+          controller.measure(next, adds ? exported.loading(adds) : ControllerAdds(), rough, errors));
     };
     const auto whole = [&](const CommandedState& c) { return sum(exported.tables(c), exported.offsets(c)); };
     const auto both = [&](const char* words) { return std::string(target_.offsets ? words : ""); };
@@ -210,7 +211,8 @@ TEST(VerifyExport, jsonTellsTheExternalOffsets) {
   const LoadedController controller(6300);
   const ExportedController exported(controller, "linuxcnc");
   const auto json = [&](const std::function<Added(const CommandedState&)>& adds) {
-    return nlohmann::json::parse(verifyJson(exported.judge(controller.measure(6301, exported.table(adds)))));
+    return nlohmann::json::parse(
+        verifyJson(exported.judge(controller.measure(6301, exported.loading(adds)))));
   };
   const auto alone = json([&](const CommandedState& c) { return exported.tables(c); });
   EXPECT_EQ(alone.at("finding"), "partly");
@@ -234,12 +236,12 @@ TEST(VerifyExport, offsetsAloneAreJudgedWhereTheTablesHoldNothing) {
                                     "x, of: z}]",
                                     errors);
   const ExportedController exported(controller, "linuxcnc");
-  const std::string table = exported.table([&](const CommandedState& c) { return exported.offsets(c); });
+  const ControllerAdds adds = exported.loading([&](const CommandedState& c) { return exported.offsets(c); });
   const Verification without = exported.judge(controller.measure(6401, {}, {}, errors));
   EXPECT_EQ(without.verdict, VerifyVerdict::kNoChange) << without.inWords;
   EXPECT_EQ(without.finding, "not_corrected") << without.inWords;
   EXPECT_NE(without.inWords.find("external offsets alone"), std::string::npos) << without.inWords;
-  const Verification with = exported.judge(controller.measure(6402, table, {}, errors));
+  const Verification with = exported.judge(controller.measure(6402, adds, {}, errors));
   EXPECT_NE(with.finding, "not_corrected") << with.inWords;
   EXPECT_EQ(with.hypothesis.offsets, AxisState::kCorrected) << with.inWords;
 }

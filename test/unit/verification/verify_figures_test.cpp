@@ -22,7 +22,7 @@ TEST(VerifyFigures, ofAPoorCalibrationHoldWhatItDoesNotExplain) {
   for (const std::uint64_t seed : {4000U, 4010U, 4020U}) {
     const LoadedController controller(seed, "", kPoorModel);
     const double truth = controller.judge(controller.measure(seed + 1, {}), true).after.rms;
-    const Verification v = controller.judge(controller.measure(seed + 2, controller.table), true);
+    const Verification v = controller.judge(controller.measure(seed + 2, controller.adds), true);
     // The machine without the table, measured on another day.
     EXPECT_NEAR(v.before.rms, truth, 0.1 * truth) << v.inWords;
     EXPECT_LT(v.after.rms, v.before.rms) << v.inWords;

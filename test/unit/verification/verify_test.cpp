@@ -20,28 +20,25 @@ TEST(Verify, saysRightlyWhatWasLoadedHow) {
     const std::uint64_t seed = firstSeed(1000) + 10 * static_cast<std::uint64_t>(run);
     const std::string rough = roughOf(static_cast<std::uint64_t>(run));
     const LoadedController controller(seed, rough);
-    const auto judged = [&](int i, const std::string& table, const std::vector<std::string>& errors,
+    const auto judged = [&](int i, const ControllerAdds& adds, const std::vector<std::string>& errors,
                             bool loaded) {
-      return controller.judge(controller.measure(seed + static_cast<std::uint64_t>(i), table, rough, errors),
+      return controller.judge(controller.measure(seed + static_cast<std::uint64_t>(i), adds, rough, errors),
                               loaded);
     };
-    const std::string& table = controller.table;
-    helped.add(seed, judged(1, table, loadedErrors(), true), {VerifyVerdict::kHelped}, "corrected", false);
+    const ControllerAdds& adds = controller.adds;
+    helped.add(seed, judged(1, adds, loadedErrors(), true), {VerifyVerdict::kHelped}, "corrected", false);
     const Verification none = judged(2, {}, loadedErrors(), true);
     notLoaded.add(seed, none, {VerifyVerdict::kNoChange}, "not_corrected", false);
-    wrongSign.add(seed, judged(3, toTheOtherSide(table, 3), loadedErrors(), true), {VerifyVerdict::kWorse},
-                  "wrong_sign", false, "the errors rose");
-    std::string swapped = withExchangedColumns(table, "correction_x_um", "correction_y_um");
-    swapped = withExchangedColumns(withExchangedColumns(swapped, "x_mm", "y_mm"), "x_travel", "y_travel");
-    const Verification tables = judged(4, swapped, loadedErrors(), true);
+    wrongSign.add(seed, judged(3, toTheOtherSide(adds, {0, 1, 2}), loadedErrors(), true),
+                  {VerifyVerdict::kWorse}, "wrong_sign", false, "the errors rose");
+    const Verification tables = judged(4, withExchanged(adds, 0, 1, true), loadedErrors(), true);
     exchanged.add(seed, tables, rightFor(tables.after, none.after), "exchanged", false,
                   "x and y have each other's table");
-    const Verification others =
-        judged(5, withExchangedColumns(table, "correction_y_um", "correction_z_um"), loadedErrors(), true);
+    const Verification others = judged(5, withExchanged(adds, 1, 2, false), loadedErrors(), true);
     columns.add(seed, others, rightFor(others.after, none.after), "exchanged", false,
                 "y and z have each other's correction");
     // Seven kelvins warmer, and the screw of x has worn.
-    const Verification later = judged(6, table, loadedErrors(5.0, 80.0), true);
+    const Verification later = judged(6, adds, loadedErrors(5.0, 80.0), true);
     drifted.add(seed, later, {VerifyVerdict::kMixed}, "corrected", true, "changed since the calibration");
     for (const ChangedEffect& c : later.changed)
       if (c.effect == EffectSpec("backlash").set("axis", "x")) {
