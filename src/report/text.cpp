@@ -172,33 +172,6 @@ std::string freerCentres(const CalibrationResult& r) {
          "values)\n";
 }
 
-/// The best RMS of each of several generations as a small plot.
-std::string curveText(const GeneticSummary& genetic, bool angular) {
-  constexpr std::size_t kColumns = 60;
-  constexpr int kRows = 8;
-  const std::size_t count = genetic.curve.size(), columns = std::min(kColumns, count);
-  std::vector<double> level;
-  for (std::size_t c = 0; c < columns; ++c) {
-    const std::size_t i = c * (count - 1) / (columns - 1);
-    constexpr double kZero = 1e-300;  // of an RMS of zero there is no logarithm
-    level.push_back(std::log10(std::max(genetic.curve[i], kZero)));
-  }
-  const auto range = std::minmax_element(level.begin(), level.end());
-  constexpr double kLevel = 1e-9;  // decades: a curve that is level has a height all the same
-  const double low = *range.first, high = std::max(*range.second, low + kLevel);
-  std::string text =
-      "  best RMS a generation (logarithmic), generation 0 to " + std::to_string(count - 1) + "\n";
-  for (int row = kRows; row >= 0; --row) {
-    const double at = low + (high - low) * row / kRows;
-    std::string line(columns, ' ');
-    for (std::size_t c = 0; c < columns; ++c)
-      if (std::lround((level[c] - low) / (high - low) * kRows) == row) line[c] = '*';
-    const bool labelled = row == kRows || row == 0 || row == kRows / 2;
-    text += "  " + padded(labelled ? length(std::pow(10.0, at), angular) : "", 16) + "|" + line + "\n";
-  }
-  return text;
-}
-
 }  // namespace
 
 std::string calibrateText(const CalibrationResult& r) {
@@ -238,7 +211,6 @@ std::string calibrateText(const CalibrationResult& r) {
   if (r.genetic && r.genetic->evaluations > 0) text += freerCentres(r) + withoutSearch(r);
   text += "  refined         RMS " + length(angular ? r.figures.rmsAngular : r.figures.rms, angular) +
           format(", %d iterations, %s\n", r.iterations, r.stop.c_str());
-  if (r.genetic && r.genetic->curve.size() > 1) text += curveText(*r.genetic, angular);
   if (r.cancelled) text += "Stopped early: these are the best values found so far.\n";
   return text;
 }
