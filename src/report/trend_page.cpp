@@ -6,7 +6,6 @@
 
 #include "base/format.h"
 #include "base/quantity_words.h"
-#include "base/units.h"
 #include "base/utc_now.h"
 #include "effects/effect_words.h"
 #include "report/json_parts.h"
@@ -118,34 +117,6 @@ std::string trendPage(const std::vector<ParameterTrend>& trends, const std::stri
   data["created"] = utcNow();
   return filledPage(files,
                     {"Trend of " + machine, trendSentence(trends), "mm history --trend", jsonText(data)});
-}
-
-std::string changesJson(const CalibrationChanges& c) {
-  const auto parameter = [](const ParameterChange& p) -> Json {
-    return {{"effect", effectJson(p.effect)},
-            {"name", p.name},
-            {"unit", p.unit},
-            {"before", p.before},
-            {"before_k2", 2.0 * p.beforeStd},
-            {"after", p.after},
-            {"after_k2", 2.0 * p.afterStd},
-            {"change", p.change},
-            {"k2", 2.0 * p.std},
-            {"p_value", p.pValue},
-            {"significant", p.significant},
-            {"comparable", p.comparable}};
-  };
-  return jsonText({{"before", c.before},
-                   {"after", c.after},
-                   {"in_words", c.inWords},
-                   {"same_session", c.sameSession},
-                   {"tip",
-                    {{"rms_um", c.rms / kMicrometre},
-                     {"largest_um", c.largest / kMicrometre},
-                     {"by_chance_um", c.byChance / kMicrometre}}},
-                   {"parameters", jsonList(c.parameters, parameter)},
-                   {"only_before", jsonList(c.onlyBefore, effectJson)},
-                   {"only_after", jsonList(c.onlyAfter, effectJson)}});
 }
 
 std::string changesText(const CalibrationChanges& c) {

@@ -22,9 +22,7 @@ std::string trendPage(const std::vector<ParameterTrend>& trends, const std::stri
                       const std::vector<std::string>& left, const std::string& machine,
                       const std::filesystem::path& plotly);
 
-/// What `mm history --compare --json` prints.
-std::string changesJson(const CalibrationChanges& changes);
-/// The same for people.
+/// What `mm history --compare` prints.
 std::string changesText(const CalibrationChanges& changes);
 
 }  // namespace mm

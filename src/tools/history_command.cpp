@@ -91,7 +91,7 @@ void compare(const HistoryOptions& options) {
     const CalibrationStore store = options.store();
     changes = changesBetween(calibrationOf(store, a), calibrationOf(store, b));
   }
-  std::cout << (options.json ? changesJson(changes) + "\n" : changesText(changes));
+  std::cout << changesText(changes);
 }
 
 void trend(const HistoryOptions& options) {
@@ -128,6 +128,8 @@ void runHistory(HistoryOptions& options) {
   if (options.trend && !options.compared.empty())
     throw InputError("--compare and --trend exclude each other: give one of them");
   if (!options.trend && !options.output.empty()) throw InputError("-o is the page of --trend; add --trend");
+  if (options.json && !options.compared.empty())
+    throw InputError("--json is for the list and for --trend; leave it out with --compare");
   if (!options.compared.empty()) return compare(options);
   if (!options.trend) return printHistory(options);
   options.files.output("-o", options.output, FileKind::kPage);
@@ -152,7 +154,7 @@ void addHistoryCommand(CLI::App& app, int& exitStatus) {
   command.add_option("-o,--output", options.output, "also write an HTML page with plots (with --trend)");
   command.add_option("--plotly", options.plotly,
                      "path of plotly.min.js, if it was not fetched during the build");
-  command.add_flag("--json", options.json, "as JSON");
+  command.add_flag("--json", options.json, "list or trend as JSON");
   options.files.declare(command);
   command.footer(
       "Examples:\n  mm history --compare march.yaml active\n"

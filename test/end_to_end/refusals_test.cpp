@@ -233,6 +233,7 @@ const std::vector<Row>& rows() {
       {"export c.yaml --to fanuc -o out --detection-unit-um 0", {"--detection-unit-um", "'0'"}},
       {"export c.yaml --to fanuc -o out --detection-unit-um 0.07", {"--detection-unit-um 0.07", "1820"}},
       {"export c.yaml --to fanuc -o out --rapid-mm-min 0", {"--rapid-mm-min", "'0'"}},
+      {"history --compare c.yaml active --store filled --json", {"--json", "--compare", "--trend"}},
       {"mm-benchmark --plan none.yaml", {"none.yaml"}},
       {"mm-benchmark --plan plan.yaml --only gremlin --trials 1", {"gremlin"}},
       {"machine new -o new.urdf", {"--axis"}},
