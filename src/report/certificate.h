@@ -77,8 +77,8 @@ struct Certificate {
   std::string checksum;              // CRC-64 of the calibration's file
 };
 
-/// Curves of the correction over each axis that was calibrated over a range; none where an input is not
-/// known.
+/// Curves of the correction over each axis that was calibrated over a range, by as many points as follow it;
+/// none where an input is not known.
 std::vector<CorrectionCurve> correctionCurves(const Calibration& calibration);
 
 /// The page: one HTML file without script or links, laid out for A4. Names from users' files are data, never

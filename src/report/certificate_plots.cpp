@@ -76,12 +76,12 @@ std::string grid(const PlotFrame& f) {
 }
 
 /// Indices of the points that a line is drawn by: of more than a plot can show the first, the lowest, the
-/// highest and the last of each unit of its width, so that short waves are a band of their height.
+/// highest and the last of each half unit of its width, so that short waves are a band of their height.
 std::vector<std::size_t> drawnOf(const PlotFrame& f, const PlotSeries& s) {
   std::vector<std::size_t> drawn;
   for (std::size_t begin = 0, end = 0; begin < s.x.size(); begin = end) {
-    const double column = std::floor(f.px(s.x[begin]));
-    for (end = begin; end < s.x.size() && std::floor(f.px(s.x[end])) == column;) ++end;
+    const double column = std::floor(2.0 * f.px(s.x[begin]));
+    for (end = begin; end < s.x.size() && std::floor(2.0 * f.px(s.x[end])) == column;) ++end;
     const auto [low, high] =
         std::minmax_element(s.y.begin() + static_cast<long>(begin), s.y.begin() + static_cast<long>(end));
     std::set<std::size_t> kept{begin, end - 1, static_cast<std::size_t>(low - s.y.begin()),

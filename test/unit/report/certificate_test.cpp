@@ -237,6 +237,15 @@ TEST(Certificate, CurvesFollowShortWaves) {
   EXPECT_LT(correctionPlot(x).size(), 300000U) << "no more than a plot can show";
 }
 
+TEST(Certificate, RoundingOfAConstantCurveIsNoCurve) {
+  Calibration k = test::calibrationOf(Machine::load("three_axis"),
+                                      {parseEffectSpec("{type: backlash, axis: y}", "effect")});
+  k.values[0].value = 3e-6;
+  const std::vector<CorrectionCurve> curves = correctionCurves(k);
+  ASSERT_FALSE(curves.empty());
+  for (const CorrectionCurve& curve : curves) EXPECT_LE(curve.at.size(), 41U) << curve.axis;
+}
+
 TEST(Certificate, StatesNoTimesThatNobodyRecorded) {
   Certificate c = exampleCertificate();
   c.calibration.domain.duration = 0.0;
