@@ -42,6 +42,11 @@ std::string joined(const std::vector<std::string>& words, std::string_view betwe
   return text;
 }
 
+std::string enumerated(const std::vector<std::string>& words) {
+  if (words.size() < 2) return joined(words, "");
+  return joined({words.begin(), words.end() - 1}, ", ") + " and " + words.back();
+}
+
 std::string printableText(std::string_view text, bool lines) {
   std::string result;
   result.reserve(text.size());

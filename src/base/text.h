@@ -15,6 +15,8 @@ bool endsWith(std::string_view text, std::string_view end);
 std::string lower(std::string_view text);
 /// Words one after the other, with `between` between them.
 std::string joined(const std::vector<std::string>& words, std::string_view between);
+/// "a, b and c"; empty of none.
+std::string enumerated(const std::vector<std::string>& words);
 /// Text of a foreign file without what would steer a terminal: of the control characters (C0, DEL, C1) tabs
 /// and line ends become blanks, the others U+FFFD. @param lines whether line ends stay.
 std::string printableText(std::string_view text, bool lines = false);

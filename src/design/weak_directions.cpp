@@ -6,6 +6,7 @@
 
 #include "base/dense.h"
 #include "base/format.h"
+#include "base/text.h"
 #include "estimation/linearisation.h"
 
 namespace mm {
@@ -34,17 +35,15 @@ std::vector<WeakDirection> weakDirections(const CalibrationResult& result) {
       if (std::abs(eigen.vectors(i, k)) > kPart) one.direction.emplace_back(free[i], eigen.vectors(i, k));
     std::sort(one.direction.begin(), one.direction.end(),
               [](const auto& a, const auto& b) { return std::abs(a.second) > std::abs(b.second); });
-    for (std::size_t i = 0; i < one.direction.size(); ++i) {
-      const Unknown& u = unknowns[one.direction[i].first];
-      one.inWords += (i == 0                          ? ""
-                      : i + 1 == one.direction.size() ? " and "
-                                                      : ", ") +
-                     displayName(*result.problem, one.direction[i].first) +
-                     format(" (± %.2g%s%s)", 2.0 * result.std(one.direction[i].first) * u.toUnit,
-                            u.unit == "1" ? "" : " ", u.unit == "1" ? "" : u.unit.c_str());
+    std::vector<std::string> told;
+    for (const auto& [p, part] : one.direction) {
+      const Unknown& u = unknowns[p];
+      told.push_back(displayName(*result.problem, p) + format(" (± %.2g%s%s)", 2.0 * result.std(p) * u.toUnit,
+                                                              u.unit == "1" ? "" : " ",
+                                                              u.unit == "1" ? "" : u.unit.c_str()));
     }
-    one.inWords += one.direction.size() > 1 ? " are strongly correlated (± with k = 2)"
-                                            : " is weakly determined (± with k = 2)";
+    one.inWords = enumerated(told) + (told.size() > 1 ? " are strongly correlated (± with k = 2)"
+                                                      : " is weakly determined (± with k = 2)");
     weak.push_back(std::move(one));
   }
   return weak;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/text.h"
 #include "diagnosis/verdict.h"
 #include "diagnosis/wording.h"
 
@@ -172,23 +173,19 @@ std::string explainedSentence(const Diagnosis& d) {
 }
 
 std::string possibleSentence(const Diagnosis& d) {
-  std::vector<const PossibleCause*> told;  // those that no variation tells
+  std::vector<std::string> told;  // those that no variation tells
+  std::string shownBy;            // of the first
   for (const PossibleCause& p : d.possible) {
     const auto instead = [&](const Alternative& a) { return a.effect == p.effect; };
     if (std::none_of(d.variations.begin(), d.variations.end(), [&](const Variation& v) {
           return std::any_of(v.instead.begin(), v.instead.end(), instead);
-        }))
-      told.push_back(&p);
+        })) {
+      if (told.empty()) shownBy = p.shownBy;
+      told.push_back(inWords(p.effect) + " (odds " + oddsInWords(p.odds) + ")");
+    }
   }
   if (told.empty()) return {};
-  std::string text;
-  for (const PossibleCause* p : told)
-    text += (p == told.front()  ? ""
-             : p == told.back() ? " and "
-                                : ", ") +
-            inWords(p->effect) + " (odds " + oddsInWords(p->odds) + ")";
-  const std::string& shownBy = told.front()->shownBy;
-  return " " + capitalized(text) + " cannot be excluded." +
+  return " " + capitalized(enumerated(told)) + " cannot be excluded." +
          (shownBy.empty() ? "" : " To decide, measure: " + shownBy);
 }
 
@@ -211,9 +208,8 @@ std::string remainderSentence(const Diagnosis& d) {
     else if (of.what != kDatum)
       known.push_back((jointOf(of).empty() ? "the balls' " : "") + of.what + " scatter by " +
                       sizeOfScatter(of));
-  std::string text = " What remains is " + shortNumber(d.heldOut / d.noise) + " times the noise: ";
-  for (const std::string& one : known) text += (&one == &known.front() ? "" : "; ") + one;
-  return text + (known.empty() ? "its cause is not known; add what was found, then diagnose again." : ".");
+  return " What remains is " + shortNumber(d.heldOut / d.noise) + " times the noise: " + joined(known, "; ") +
+         (known.empty() ? "its cause is not known; add what was found, then diagnose again." : ".");
 }
 
 std::string driftInWords(const Diagnosis& d, const DriftResult& drift) {

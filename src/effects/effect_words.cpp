@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "base/text.h"
 #include "effects/words_yaml.h"
 
 namespace mm {
@@ -16,13 +17,6 @@ namespace {
 const YAML::Node& words() {
   static const YAML::Node all = YAML::Load(kWordsYaml);
   return all;
-}
-
-std::string valueOf(const EffectSpec::Value& value) {
-  std::string text;
-  for (std::size_t i = 0; i < value.items.size(); ++i)
-    text += (i == 0 ? "" : i + 1 == value.items.size() ? " and " : ", ") + value.items[i];
-  return text;
 }
 
 /// The phrase with its keys put in; empty where one of them is not given, or {key=value} is not its value.
@@ -40,7 +34,7 @@ std::string filled(const std::string& phrase, const EffectSpec& effect, std::set
     const EffectSpec::Value* value = effect.find(key);
     const auto word = more.find(key);
     if (word == more.end() && (value == nullptr || value->items.empty())) return {};
-    const std::string of = word == more.end() ? valueOf(*value) : word->second;
+    const std::string of = word == more.end() ? enumerated(value->items) : word->second;
     const bool wanted = key != inside;
     if (wanted && inside != key + "=" + of) return {};
     text += phrase.substr(at, open - at) + (wanted ? "" : of);
@@ -52,7 +46,7 @@ std::string filled(const std::string& phrase, const EffectSpec& effect, std::set
 
 /// ", degree 3"; ", period 2 mm"; ", with lag"; nothing for what is false.
 std::string keyInWords(const std::string& key, const EffectSpec::Value& value) {
-  const std::string text = valueOf(value);
+  const std::string text = enumerated(value.items);
   if (text == "false" || text.empty()) return {};
   if (text == "true") return ", with " + spaced(key);
   if (key == "from_session") return ", from session " + text + " on";

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/dense.h"
+#include "base/text.h"
 #include "estimation/thin_qr.h"
 #include "estimation/whitened.h"
 
@@ -44,9 +45,9 @@ std::string inWordsOf(const Problem& problem, const LostDirection& lost) {
   std::sort(big.begin(), big.end(), [](auto& a, auto& b) { return a.first < b.first; });
   if (big.empty()) return "no single parameter is affected";
   if (big.size() == 1) return displayName(problem, big[0].first) + " has no influence on these data";
-  std::string names;
-  for (std::size_t i = 0; i < big.size(); ++i)
-    names += (i == 0 ? "" : i + 1 == big.size() ? " and " : ", ") + displayName(problem, big[i].first);
+  std::vector<std::string> all;
+  for (const auto& [p, part] : big) all.push_back(displayName(problem, p));
+  const std::string names = enumerated(all);
   if (big.size() == 2 && std::abs(std::abs(big[0].second) - std::abs(big[1].second)) < kAlike)
     return names + ": only their " + (big[0].second * big[1].second < 0 ? "sum" : "difference") +
            " is determined";

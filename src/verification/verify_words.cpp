@@ -13,11 +13,6 @@ namespace {
 
 constexpr double kCertain = 3.3;  // standard deviations
 
-std::string list(const std::vector<std::string>& words) {
-  if (words.size() < 2) return words.empty() ? std::string() : words.front();
-  return joined({words.begin(), words.end() - 1}, ", ") + " and " + words.back();
-}
-
 /// Of one or several axes, by the order of AxisState.
 std::string stateInWords(AxisState state, bool loaded, bool several) {
   struct Words {
@@ -58,7 +53,7 @@ std::string changesInWords(const Verification& v) {
     if (all.size() < 3) all.push_back(inWords(c.effect) + " (" + joined(parts, ", ") + ")");
   }
   const std::size_t more = v.changed.size() - all.size();
-  return list(all) + (more > 0 ? " and " + std::to_string(more) + " more" : "");
+  return enumerated(all) + (more > 0 ? " and " + std::to_string(more) + " more" : "");
 }
 
 std::string noChangeInWords(const Verification& v, const std::string& figures) {
@@ -165,7 +160,7 @@ std::string notCarriedInWords(const Verification& v) {
   return std::string("; the tables ") + (v.offsets ? "and offsets " : "") + "for " + v.target +
          format(" do not carry %.3g %s of it", v.notCarried / unitOf(v.angular),
                 nameOfUnit(v.angular).c_str()) +
-         (effects.empty() ? "" : " (" + list(effects) + ")") + ", which is not drift";
+         (effects.empty() ? "" : " (" + enumerated(effects) + ")") + ", which is not drift";
 }
 
 }  // namespace
@@ -218,7 +213,8 @@ std::string inWords(const LoadedHow& hypothesis, const std::vector<std::string>&
     std::vector<std::string> names;
     for (std::size_t a = 0; a < axes.size(); ++a)
       if (hypothesis.axes[a] == state) names.push_back(axes[a]);
-    if (!names.empty()) parts.push_back(list(names) + " " + stateInWords(state, loaded, names.size() > 1));
+    if (!names.empty())
+      parts.push_back(enumerated(names) + " " + stateInWords(state, loaded, names.size() > 1));
   }
   return joined(parts, ", ");
 }

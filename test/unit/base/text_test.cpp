@@ -34,6 +34,13 @@ TEST(Text, JoinedPutsTheMarkBetweenAlsoOfEmptyWords) {
   EXPECT_EQ(joined({}, ", "), "");
 }
 
+TEST(Text, EnumeratedPutsAndBeforeTheLast) {
+  EXPECT_EQ(enumerated({"a", "b", "c"}), "a, b and c");
+  EXPECT_EQ(enumerated({"a", "b"}), "a and b");
+  EXPECT_EQ(enumerated({"a"}), "a");
+  EXPECT_EQ(enumerated({}), "");
+}
+
 TEST(Text, WhatSteersATerminalIsReplaced) {
   EXPECT_EQ(printableText("a\x1b[1mb\x7f\tc\nd"), "a\uFFFD[1mb\uFFFD c d");
   EXPECT_EQ(printableText("a\nb\r\n", true), "a\nb \n");
