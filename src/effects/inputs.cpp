@@ -43,16 +43,6 @@ class Answers final : public ErrorSink {
   std::vector<double> numbers_;
 };
 
-/// Temperatures that are the same at all times: a lag is no dependence on time.
-class SteadyHistory final : public TemperatureHistory {
- public:
-  double lagged(int sensor, double, double, double* byTau) const override {
-    if (byTau != nullptr) *byTau = 0.0;
-    return temperature[static_cast<std::size_t>(sensor)];
-  }
-  std::vector<double> temperature;
-};
-
 /// Asks an effect at a complete state, with one input after the other changed or not known.
 class Questions {
  public:
@@ -123,8 +113,7 @@ class Questions {
   }
 
   Answers answer(State state, bool history = true) const {
-    SteadyHistory steady;
-    steady.temperature = state.temperature;
+    const SettledTemperatures steady(state.temperature);  // a lag is no dependence on time
     state.history = history ? &steady : nullptr;
     Answers answers(layout_.size(), effect_.parameterCount());
     effect_.evaluate(state, parameters_.data(), answers);

@@ -15,6 +15,20 @@ class TemperatureHistory {
   virtual double lagged(int sensor, double tau, double time, double* byTau) const = 0;
 };
 
+/// Temperatures that have been what they are for ever.
+class SettledTemperatures final : public TemperatureHistory {
+ public:
+  /// @param temperature of each sensor, degC; it must live as long.
+  explicit SettledTemperatures(const std::vector<double>& temperature) : temperature_(temperature) {}
+  double lagged(int sensor, double, double, double* byTau) const override {
+    if (byTau != nullptr) *byTau = 0.0;
+    return temperature_[sensor];
+  }
+
+ private:
+  const std::vector<double>& temperature_;
+};
+
 /// The inputs of the effects at one moment: uncorrected readings and what else was logged. SI units, degC.
 struct State {
   double time = 0.0;  // s from the session's start (live: from the last homing)

@@ -23,19 +23,6 @@ constexpr unsigned kChangeSeed = 71;
 constexpr double kLeastChange = 1e-8;     // m, between any two states
 constexpr double kNeededReached = 1e-12;  // m
 
-/// Temperatures that have been what they are for ever.
-class Settled final : public TemperatureHistory {
- public:
-  explicit Settled(const std::vector<double>& temperature) : temperature_(temperature) {}
-  double lagged(int sensor, double, double, double* byTau) const override {
-    if (byTau != nullptr) *byTau = 0.0;
-    return temperature_[sensor];
-  }
-
- private:
-  const std::vector<double>& temperature_;
-};
-
 /// One column of a Latin hypercube: the middles of `count` equal parts of a range, in random order.
 std::vector<double> latin(int count, double lower, double upper, std::mt19937_64& random) {
   std::vector<double> column(count);
@@ -131,7 +118,7 @@ std::vector<State> NeededCorrection::states(int count, unsigned seed) const {
 
 Eigen::Vector3d NeededCorrection::truePosition(State state,
                                                Eigen::Matrix<double, 6, Eigen::Dynamic>* byParameter) const {
-  const Settled history(state.temperature);
+  const SettledTemperatures history(state.temperature);
   state.history = &history;
   model_.place(state);
   Model::Workspace work;

@@ -25,19 +25,6 @@ constexpr double kSmoothShare = 0.5;         // of the remainder's variance, whe
 constexpr double kFewestPlaces = 4.0;        // fewer leave Student's t without a variance to speak of
 constexpr double kTemperatureStep = 1e-3;    // K, of a derivative where no uncertainty is stated
 
-/// Temperatures that have been the same for long.
-class SettledTemperatures final : public TemperatureHistory {
- public:
-  explicit SettledTemperatures(const std::vector<double>& temperature) : temperature_(temperature) {}
-  double lagged(int sensor, double, double, double* byTau) const override {
-    if (byTau != nullptr) *byTau = 0.0;
-    return temperature_[sensor];
-  }
-
- private:
-  const std::vector<double>& temperature_;
-};
-
 Compensator::Options optionsOf(const TaskConditions& conditions) {
   Compensator::Options options;
   options.margin = conditions.margin;
