@@ -166,7 +166,7 @@ std::string fleetPage(const Fleet& fleet) {
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
       "<title>Fleet: measuring machine report</title><style>\n" +
-      webFile("fleet.css") + "</style></head><body><main>\n<h1>" +
+      webFile("page.css") + webFile("fleet.css") + "</style></head><body><main>\n<h1>" +
       format("%zu machines, %ld sessions", fleet.machines.size(), fleet.done) + "</h1>";
   html += "<p class=\"soft\">" + escapedHtml(fleet.source) +
           (fleet.model.empty() ? "" : "; model " + escapedHtml(fleet.model)) +

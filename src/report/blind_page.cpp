@@ -213,7 +213,7 @@ std::string blindPage(const BlindReport& r) {
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
       "<title>Blind trial: measuring machine report</title><style>\n" +
-      webFile("fleet.css") + "\n" + webFile("blind.css") +
+      webFile("page.css") + webFile("fleet.css") + "\n" + webFile("blind.css") +
       "</style></head><body><main>\n<h1>Blind trial of a correction</h1><p class=\"soft\">" +
       escapedHtml(r.session) + "; calibration " + escapedHtml(r.calibration) + "; trial " +
       escapedHtml(r.blocks.trial) + "</p>\n<div class=\"verdict " + nameOf(r.opened.verdict) + "\"><b>" +

@@ -44,7 +44,7 @@ std::string escapedHtml(const std::string& text) {
 }
 
 ReportFiles loadReportFiles(const fs::path& plotly) {
-  ReportFiles files{webFile("report.html"), webFile("report.css"),
+  ReportFiles files{webFile("report.html"), webFile("page.css") + webFile("report.css"),
                     webFile("text_parts.js") + webFile("report_parts.js") + webFile("report_plots.js") +
                         webFile("report_space.js") + webFile("report.js"),
                     plotlyText(plotly)};
