@@ -225,9 +225,7 @@ WebAnswer Bench::get(const std::string& path) {
     }
   if (startsWith(path, "/download/"))
     if (std::optional<WebAnswer> found = documents_.find(path.substr(10))) {
-      // a file of an export is kept under the end of its path: its name may come from a sent session
-      if (found->fileName.empty() && !startsWith(path, "/download/export/"))
-        found->fileName = path == "/download/report" ? "report.html" : "data.json";
+      if (found->fileName.empty()) found->fileName = path == "/download/report" ? "report.html" : "data.json";
       return *found;
     }
   return WebAnswer::say(404, "there is no such page");

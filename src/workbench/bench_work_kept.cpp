@@ -9,6 +9,7 @@
 #include "verification/verify.h"
 #include "workbench/bench_work.h"
 #include "workbench/plan_document.h"
+#include "workbench/zip.h"
 
 namespace mm {
 
@@ -79,11 +80,10 @@ std::string BenchWork::exportTo(const std::string& controller) {
       whole, target, options, needed, exported,
       [this](const std::string& what, double share) { job_.step("exporting: " + what, share); });
   const std::vector<ExportedFile> files = exportFolderOf(whole, target, needed, exported, judged);
-  forget({"export"});
-  for (const ExportedFile& file : files)
-    documents_.put("export/" + file.path, file.text, "application/octet-stream");
-  const std::string done = std::to_string(files.size()) + " files for " + target.title +
-                           ", begin with README.md; " + judged.activeWords;
+  const std::string folder = whole.id + "_" + target.name;
+  documents_.put("export", zipOf(folder, files), "application/zip", folder + ".zip");
+  const std::string done =
+      folder + ".zip: " + std::to_string(files.size()) + " files, README.md first; " + judged.activeWords;
   if (!judged.carriesNothing()) return done;
   return done + "; " + target.title + " can carry nothing of this calibration: it holds " + exported.holds;
 }

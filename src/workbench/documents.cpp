@@ -14,7 +14,6 @@ void Documents::put(const std::string& name, std::string body, const std::string
 void Documents::remove(const std::string& name) {
   const std::lock_guard<std::mutex> lock(mutex_);
   documents_.erase(name);
-  documents_.erase(documents_.lower_bound(name + '/'), documents_.lower_bound(name + char('/' + 1)));
 }
 
 std::optional<WebAnswer> Documents::find(const std::string& name) const {

@@ -18,8 +18,7 @@ class Documents {
   /// @param fileName not empty: to be kept under that name.
   void put(const std::string& name, std::string body, const std::string& type = "application/json",
            const std::string& fileName = {});
-  /// None of that name any more, nor of those in it: "export/README.md" goes with "export".
-  void remove(const std::string& name);
+  void remove(const std::string& name);                          ///< none of that name any more
   std::optional<WebAnswer> find(const std::string& name) const;  ///< empty: none of that name
   std::map<std::string, std::uint64_t> numbers() const;          ///< of all that there are
 

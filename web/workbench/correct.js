@@ -2,7 +2,7 @@
 
 import { h } from "preact";
 import { useMemo, useState } from "preact/hooks";
-import { act, downloadAddress, state, useDocument } from "./server.js";
+import { act, downloadAddress, state, useDocument, useNumber } from "./server.js";
 import { Action, Choice, Empty, Section, Table, Tile, Tiles, colours, useTheme } from "./parts.js";
 import { Space, rgb } from "./machine.js";
 import { measured, text, unitOf, value } from "./units.js";
@@ -22,16 +22,15 @@ function FieldFigures({ name, field }) {
   return h(Tile, { label: name + (field.id ? ", " + field.id : ""), value: sizes.length ? measured(rmsOf(sizes), sigma, "um") : "–", note: sizes.length ? "RMS of the correction over the volume (k\u00a0=\u00a02), largest " + text(Math.max(...sizes), "um") : said(field.reason || "") });
 }
 
-/** The tables for a controller, to be kept as files. */
+/** The tables for a controller, to be kept as a file. */
 function Export() {
-  const catalogue = useDocument("catalogue"), files = Object.keys(state.live ? state.live.documents : {}).filter((name) => name.startsWith("export/")), [chosen, choose] = useState("");
+  const catalogue = useDocument("catalogue"), exported = useNumber("export"), [chosen, choose] = useState("");
   const controllers = catalogue ? catalogue.controllers : [];
   if (!controllers.length) return null;
   const controller = chosen || controllers[0].name;
   return h(Section, { title: "Export", lead: "The calibration in hand as the tables of a controller, with what to install where and what of it the controller carries (mm export)." },
     h("p", { class: "controls" }, h(Choice, { id: "controller", label: "Controller", value: controller, options: controllers.map((t) => [t.name, t.title]), onChange: choose }),
-      h(Action, { label: "Export", run: () => act("export", { controller }) })),
-    files.length ? h("p", { class: "controls" }, files.map((name) => h("a", { key: name, class: "button", href: downloadAddress(name), download: name.split("/").pop() }, name.slice(7)))) : null);
+      h(Action, { label: "Export", run: () => act("export", { controller }) }), exported ? h("a", { class: "button", href: downloadAddress("export"), download: "" }, "Keep the export") : null));
 }
 
 export function CorrectView() {

@@ -77,7 +77,7 @@ export const isLatest = (name) => { const entry = documents.get(name); return !!
 
 /** Address of a document to open or keep. */
 export const documentAddress = (name) => address("/data/" + name);
-export const downloadAddress = (name) => address("/download/" + name.split("/").map(encodeURIComponent).join("/"));
+export const downloadAddress = (name) => address("/download/" + name);
 
 export const name = { get: () => localStorage.getItem("mm-who") || "", set: (text) => localStorage.setItem("mm-who", text) };
 

@@ -191,34 +191,25 @@ TEST_F(BenchTest, WithoutAFolderNamedEachMachineHasItsOwn) {
   EXPECT_NE(log.find("add: "), std::string::npos) << log;
 }
 
-TEST_F(BenchTest, EachFileOfAnExportIsKept) {
+TEST_F(BenchTest, AnExportIsOneFileThatIsUnpacked) {
   start();
   EXPECT_GT(data("catalogue")["controllers"].size(), 5u);
   ASSERT_TRUE(act("add", {{"effect", "{type: backlash, axis: x}"}})["ok"]);
   EXPECT_FALSE(act("export", {{"controller", "../../etc"}})["ok"]);
-  EXPECT_EQ(bench_->get("/download/export/README.md").status, 404u);
+  EXPECT_EQ(bench_->get("/download/export").status, 404u);
   const json done = act("export", {{"controller", "linuxcnc"}});
   ASSERT_TRUE(done["ok"]) << done;
-  const WebAnswer sent = bench_->get("/download/export/README.md");
+  const WebAnswer sent = bench_->get("/download/export");
   ASSERT_EQ(sent.status, 200u);
-  EXPECT_EQ(sent.type, "application/octet-stream");
-  EXPECT_EQ(sent.fileName, "") << "the end of its path";
-  EXPECT_NE(sent.body->find("LinuxCNC"), std::string::npos);
-  const json judged = json::parse(*bench_->get("/download/export/representability.json").body);
-  EXPECT_EQ(judged["target"], "linuxcnc");
-  for (const json& file : judged["files"])
-    EXPECT_EQ(bench_->get("/download/export/" + file["path"].get<std::string>()).status, 200u) << file;
-  ASSERT_TRUE(act("export", {{"controller", "grblhal"}})["ok"]);
-  EXPECT_EQ(bench_->get("/download/export/settings.txt").status, 200u);
-  for (const json& file : judged["files"]) {
-    const std::string path = file["path"];
-    const bool inEach = path == "README.md" || startsWith(path, "representability.");
-    EXPECT_EQ(bench_->get("/download/export/" + path).status, inEach ? 200u : 404u) << path;
-  }
+  const std::string id = data("calibration")["id"];
+  EXPECT_EQ(sent.fileName, id + "_linuxcnc.zip");
+  const auto zip = folder_.write("sent.zip", *sent.body);
+  ASSERT_EQ(std::system(("python3 -m zipfile -e " + zip.string() + " " + folder_.path("").string()).c_str()), 0);
+  const std::filesystem::path folder = folder_.path(id + "_linuxcnc");
+  EXPECT_NE(test::readAll(folder / "README.md").find("LinuxCNC"), std::string::npos);
+  EXPECT_EQ(json::parse(test::readAll(folder / "representability.json"))["target"], "linuxcnc");
   ASSERT_TRUE(act("remove", {{"effect", "{type: backlash, axis: x}"}})["ok"]);
-  for (const char* name : {"README.md", "representability.json", "settings.txt"})
-    EXPECT_EQ(bench_->get("/download/export/" + std::string(name)).status, 404u)
-        << name << ", of another calibration, stayed";
+  EXPECT_EQ(bench_->get("/download/export").status, 404u) << "an export of another calibration stayed";
 }
 
 TEST_F(BenchTest, WhatIsShownIsOfTheModelThatIsThere) {
