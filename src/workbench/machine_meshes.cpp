@@ -14,8 +14,10 @@ namespace mm {
 namespace {
 
 constexpr std::size_t kMostMeshes = 64;
-constexpr std::uintmax_t kLargestFile = 32u << 20;  // bytes
-constexpr std::size_t kMostBytes = 64u << 20;       // of all meshes together
+constexpr std::size_t kMostBytes = 16u << 20;  // of all meshes together
+/// What is read as text holds up the page: its heartbeat, without which the machine stops, comes within 0.9
+/// s.
+constexpr std::uintmax_t kLargestText = 2u << 20;
 const std::string kPackageScheme = "package://", kFileScheme = "file://";
 
 void collectNames(const tinyxml2::XMLElement* element, bool visual, std::vector<std::string>& names) {
@@ -93,9 +95,9 @@ std::string meshBytes(const std::filesystem::path& file) {
   std::error_code failed;
   const std::uintmax_t size = std::filesystem::file_size(file, failed);
   if (failed) throw InputError("cannot be read: " + failed.message());
-  if (size > kLargestFile)
-    throw InputError("has " + std::to_string(size >> 20) + " MB, and at most " +
-                     std::to_string(kLargestFile >> 20) + " are drawn; simplify it");
+  if (const std::uintmax_t most = kindOf(file) == ".stl" ? kMostBytes : kLargestText; size > most)
+    throw InputError("has " + std::to_string(size >> 20) + " MB, and at most " + std::to_string(most >> 20) +
+                     " are drawn; simplify it" + (most < kMostBytes ? ", or save it as a binary STL" : ""));
   return readWholeFile(file, "check the mesh");
 }
 

@@ -207,6 +207,8 @@ def mesh_files(browser, bench):
               and max(abs(c - w) for c, w in zip(corners, wanted)) < 1e-6, corners)
     square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"
     check("a square is two triangles", len(browser.evaluate(read % ('".obj"', typed % json.dumps(square)))) == 18)
+    edges = ONE_TRIANGLE[".obj"] + "l 1 2\np 1\n"
+    check("edges beside faces are left out", len(browser.evaluate(read % ('".obj"', typed % json.dumps(edges)))) == 9)
     for kind, text in ((".stl", ""), (".stl", "root:x:0:0:root:/root:/bin/bash\n"), (".stl", "solid x\nfacet normal 0 0\n"), (".obj", "v 1 2\n"), (".dae", "solid"),
                        (".dae", "<robot/>"), (".dae", ""), (".stl", ONE_TRIANGLE[".stl"].replace("0.3", "1e99"))):
         said = browser.evaluate(read % (json.dumps(kind), typed % json.dumps(text)))
@@ -246,7 +248,7 @@ def meshes(browser, folder):
         browser.wait("document.querySelector('.canvas') && document.querySelector('.canvas').dataset.frameMs")
         said = browser.wait("document.querySelector('figcaption .missing') && document.querySelector('figcaption .missing').innerText")
         check("a mesh that is not there is said", "none.stl" in said and "no.dae (is not read" in said and "bed" not in said, said)
-        check("meshes of a package are drawn", browser.wait("document.querySelector('.canvas').dataset.meshes") == "3")
+        check("meshes of a package are drawn", browser.wait("document.querySelector('.canvas').dataset.meshes === '3'"))
         mesh_files(browser, bench)
         check("they are asked for by no path", not [r for r in browser.requests if "bed." in r or "cell" in r or "skin" in r])
     finally:

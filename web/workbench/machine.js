@@ -1,7 +1,7 @@
 // The machine and what was measured on it, in three dimensions. Turned by drag or arrow keys, nearer with the wheel or + and −.
 
 import { h } from "preact";
-import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { colours, useTheme } from "./parts.js";
 import { useDocument } from "./server.js";
 import { text } from "./units.js";
@@ -114,12 +114,17 @@ function discard(object) {
 export function Space({ urdf, joints, readings, points, lines, balls, mark, label, note }) {
   const place = useRef(null), world = useRef(null);
   const [without, setWithout] = useState(false), [arrow, setArrow] = useState(null), [ready, setReady] = useState(THREE !== null);
-  const theme = useTheme(), file = useDocument("meshes"), meshes = useMemo(() => (ready ? readMeshes(file) : new Map()), [file, ready]);
+  const theme = useTheme(), file = useDocument("meshes"), [meshes, setMeshes] = useState(new Map());
   useEffect(() => {
     let here = true;
     if (!ready) Promise.all([import("three"), import("./meshes.js")]).then(([library, reading]) => { THREE = library; readMeshes = reading.readMeshes; if (here) setReady(true); });
     return () => { here = false; };
   }, []);
+  useEffect(() => {
+    let here = true;
+    if (ready) readMeshes(file).then((read) => { if (here) setMeshes(read); });
+    return () => { here = false; };
+  }, [file, ready]);
 
   useEffect(() => {
     if (!ready) return undefined;

@@ -5,8 +5,6 @@ import { OBJLoader } from "three/loaders/OBJLoader.js";
 import { ColladaParser } from "three/loaders/ColladaParser.js";
 import { ColladaComposer } from "three/loaders/ColladaComposer.js";
 
-const kMostTriangles = 500000; // of all meshes together
-
 /** In m by the file's own unit, in the axes of the file as RViz takes them: three's ColladaLoader would turn it. Without loaders of
  * pictures no other file is asked for. */
 function colladaScene(text) {
@@ -30,12 +28,13 @@ function cornersOf(object) {
   return corners;
 }
 
-/** Corners in m of a file's triangles, in the axes of the file. @param kind ".stl", ".dae" or ".obj". @throw Error: why it is not drawn. */
+/** Corners in m of a file's triangles, in the axes of the file; of an OBJ without its lines and points, for which three would take the
+ * whole object. @param kind ".stl", ".dae" or ".obj". @throw Error: why it is not drawn. */
 export function meshCorners(kind, bytes) {
   let corners;
   try {
     if (kind === ".stl") corners = new STLLoader().parse(bytes).attributes.position.array;
-    else corners = cornersOf(kind === ".dae" ? colladaScene(new TextDecoder().decode(bytes)) : new OBJLoader().parse(new TextDecoder().decode(bytes)));
+    else corners = cornersOf(kind === ".dae" ? colladaScene(new TextDecoder().decode(bytes)) : new OBJLoader().parse(new TextDecoder().decode(bytes).replace(/^\s*[lp]\s.*$/gm, "")));
   } catch (error) {
     throw new Error("is not read: " + error.message);
   }
@@ -44,27 +43,26 @@ export function meshCorners(kind, bytes) {
   return corners;
 }
 
-let last = { file: null, meshes: new Map() }; // several views draw the same machine
+let last = { file: null, meshes: Promise.resolve(new Map()) }; // several views draw the same machine
 
-/** The meshes that the server found for a URDF: name there → { corners } in m, or { why } there are none. */
-export function readMeshes(file) {
-  if (file === last.file) return last.meshes;
+async function readAll(file) {
   const meshes = new Map();
-  if (file) {
-    const size = new DataView(file).getUint32(0, true), head = JSON.parse(new TextDecoder().decode(new Uint8Array(file, 4, size)));
-    let triangles = 0;
-    for (const m of head.meshes) {
-      try {
-        if (m.why) throw new Error(m.why);
-        const corners = meshCorners(m.kind, file.slice(4 + size + m.first, 4 + size + m.first + m.count)), here = corners.length / 9;
-        if (triangles + here > kMostTriangles) throw new Error("has " + here + " triangles, and at most " + kMostTriangles + " are drawn in all; simplify it");
-        triangles += here;
-        meshes.set(m.name, { corners });
-      } catch (error) {
-        meshes.set(m.name, { why: error.message });
-      }
+  if (!file) return meshes;
+  const size = new DataView(file).getUint32(0, true), head = JSON.parse(new TextDecoder().decode(new Uint8Array(file, 4, size)));
+  for (const m of head.meshes) {
+    await new Promise((then) => { setTimeout(then); }); // one at a time: what else the page does must not wait for all of them
+    try {
+      if (m.why) throw new Error(m.why);
+      meshes.set(m.name, { corners: meshCorners(m.kind, file.slice(4 + size + m.first, 4 + size + m.first + m.count)) });
+    } catch (error) {
+      meshes.set(m.name, { why: error.message });
     }
   }
-  last = { file, meshes };
   return meshes;
+}
+
+/** A promise of the meshes that the server found for a URDF: name there → { corners } in m, or { why } there are none. */
+export function readMeshes(file) {
+  if (file !== last.file) last = { file, meshes: readAll(file) };
+  return last.meshes;
 }

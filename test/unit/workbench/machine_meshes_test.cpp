@@ -93,22 +93,26 @@ TEST_F(MachineMeshes, TheBytesOfAFileAreAsTheyAreAndNotTooMany) {
   EXPECT_NE(test::messageOf<InputError>([&] { meshBytes(folder_.path("none.stl")); }), "");
   write(folder_.path("large.stl"), "solid");
   std::filesystem::resize_file(folder_.path("large.stl"), 40u << 20);
-  EXPECT_NE(test::messageOf<InputError>([&] { meshBytes(folder_.path("large.stl")); }).find("at most 32 are"),
+  EXPECT_NE(test::messageOf<InputError>([&] { meshBytes(folder_.path("large.stl")); }).find("at most 16 are"),
+            std::string::npos);
+  write(folder_.path("large.obj"), "v 0 0 0");  // text holds the page up longer
+  std::filesystem::resize_file(folder_.path("large.obj"), 3u << 20);
+  EXPECT_NE(test::messageOf<InputError>([&] { meshBytes(folder_.path("large.obj")); }).find("binary STL"),
             std::string::npos);
 }
 
 TEST_F(MachineMeshes, AllTogetherAreNotTooMany) {
   std::string urdf = "<robot name='m'><link name='a'>";
-  for (const char* name : {"a.stl", "b.OBJ", "c.dae"}) {
+  for (const char* name : {"a.stl", "b.OBJ", "c.stl"}) {
     write(folder_.path("p") / name, "solid");
-    std::filesystem::resize_file(folder_.path("p") / name, 30u << 20);
+    std::filesystem::resize_file(folder_.path("p") / name, (name[0] == 'b' ? 1u : 10u) << 20);
     urdf += std::string("<visual><geometry><mesh filename='package://p/") + name + "'/></geometry></visual>";
   }
   const auto meshes = headOf(meshesDocument(urdf + "</link></robot>", UrdfOrigin::kSent, packages()));
   EXPECT_EQ(meshes[0]["kind"], ".stl");
   EXPECT_EQ(meshes[1]["kind"], ".obj");
-  EXPECT_EQ(meshes[1]["first"], 30u << 20);
-  EXPECT_NE(meshes[2]["why"].get<std::string>().find("at most 64 MB"), std::string::npos) << meshes[2];
+  EXPECT_EQ(meshes[1]["first"], 10u << 20);
+  EXPECT_NE(meshes[2]["why"].get<std::string>().find("at most 16 MB"), std::string::npos) << meshes[2];
 }
 
 TEST_F(MachineMeshes, TheDocumentHasEachWithItsTrianglesOrWhyNot) {
