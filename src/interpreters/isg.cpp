@@ -19,29 +19,38 @@ namespace mm {
 namespace {
 
 constexpr const char* kIsgList = "volcomp.lis";
-constexpr int kMostIsgAxis = 65535;
+constexpr int kMostIsgFiles = 10, kMostIsgAxis = 65535;
+
 /// Keys of the configuration; those that say nothing of where the motors stand at rest, or of rotary axes
 /// alone, are not looked at.
-constexpr const char* kIsgKeys =
-    "x y z a b c chain workpiece_axes interpolation enable_splicing diagnosis_file manual_activation "
-    "filter_steps associate_to_channel file[0] file_format[0]";
+std::vector<std::string> isgKeys() {
+  std::vector<std::string> keys = wordsBetweenBlanks(
+      "x y z a b c chain workpiece_axes negate set_to_zero alternative_model interpolation enable_splicing "
+      "diagnosis_file manual_activation filter_steps associate_to_channel use_axis_offsets");
+  for (int j = 0; j < kMostIsgFiles; ++j)
+    for (const char* key : {"file", "file_format"}) keys.push_back(key + ("[" + std::to_string(j)) + "]");
+  return keys;
+}
 
 KeyedValues readIsgList(const std::filesystem::path& file) {
   KeyedValues list({file, 0});
-  const std::vector<std::string> known = wordsBetweenBlanks(kIsgKeys);
+  const std::vector<std::string> known = isgKeys();
   for (const TextLine& line : textLines(file)) {
     const std::string_view text = trim(std::string_view(line.text).substr(0, line.text.find('#')));
     if (text.empty()) continue;
     const std::string word = wordsBetweenBlanks(text)[0], key = lower(word);
     const std::string_view value = trim(text.substr(word.size()));
     if (std::find(known.begin(), known.end(), key) == known.end())
-      refuse(line.place, "'" + word +
-                             "' is not read: state what it does in the table of file[0], and take it out" +
-                             didYouMean(key, known));
+      refuse(line.place, "'" + word + "' is not read" + didYouMean(key, known));
     if (value.empty()) refuse(line.place, "'" + word + "' has no value");
     list.set(key, value, line.place);
   }
   return list;
+}
+
+/// What a key says in capital letters, `missing` where it is not given.
+std::string isgWord(const KeyedValues& list, const std::string& key, const std::string& missing) {
+  return list.has(key) ? capitalsWithoutBlanks(list.find(key)->text) : missing;
 }
 
 void checkIsgList(const KeyedValues& list) {
@@ -52,14 +61,26 @@ void checkIsgList(const KeyedValues& list) {
     if (!added)
       list.refuse(key, list.find(key)->text + " is the logical number of " + entry->second + ", too");
   }
-  const auto only = [&](const std::string& key, const std::string& read) {
-    const std::string said = list.has(key) ? capitalsWithoutBlanks(list.find(key)->text) : read;
-    if (said != read) list.refuse(key, said + " is not read, only " + read);
+  const auto only = [&](const std::string& key, const std::vector<std::string>& read) {
+    const std::string said = isgWord(list, key, read[0]);
+    if (std::find(read.begin(), read.end(), said) == read.end())
+      list.refuse(key, said + " is not read, only " + listOf(read));
   };
-  only("chain", "XYZ");
-  only("workpiece_axes", "0");
-  only("interpolation", "GRID");
-  only("file_format[0]", "ISG_CSV");
+  only("chain", {"XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"});
+  only("workpiece_axes", {"0"});
+  only("interpolation", {"GRID", "AUTO"});
+  for (const char* key : {"use_axis_offsets", "alternative_model"}) only(key, {"0", "FALSE"});
+  for (const std::string key : {"negate", "set_to_zero"})
+    if (isgWord(list, key, "").find_first_not_of("XYZ") != std::string::npos)
+      list.refuse(key, "'" + list.find(key)->text + "' is no set of X, Y and Z, as in XY");
+}
+
+/// By what the errors along a joint are multiplied.
+double isgFactor(const KeyedValues& list, const std::string& joint) {
+  const auto named = [&](const char* key) {
+    return isgWord(list, key, "").find(capitals(joint)) != std::string::npos;
+  };
+  return named("set_to_zero") ? 0.0 : named("negate") ? -1.0 : 1.0;
 }
 
 /// Tables with their headers; # begins the next.
@@ -134,7 +155,8 @@ IsgPlaces isgPlaces(const TextTable& block) {
 }
 
 /// @param named errors that are there already.
-void addIsgErrors(const TextTable& block, std::set<std::string>& named, std::vector<AxesGrid>& grids) {
+void addIsgErrors(const TextTable& block, const KeyedValues& list, std::set<std::string>& named,
+                  std::vector<AxesGrid>& grids) {
   std::set<std::string> arguments;
   std::vector<std::string> errors;
   for (const std::string& name : block.names.cells) {
@@ -147,7 +169,7 @@ void addIsgErrors(const TextTable& block, std::set<std::string>& named, std::vec
   const IsgPlaces places = isgPlaces(block);
   for (const std::string& name : errors) {
     const std::string joint = lower(name.substr(1, 1));
-    const double taken = -jointUnit(joint);
+    const double taken = -jointUnit(joint) * isgFactor(list, joint);
     const std::vector<double> numbers = block.numbers(name);
     AxesGrid grid{places.arguments, joint, places.at, std::vector<double>(numbers.size())};
     for (std::size_t i = 0; i < numbers.size(); ++i) grid.values[places.point[i]] = numbers[i] * taken;
@@ -156,11 +178,12 @@ void addIsgErrors(const TextTable& block, std::set<std::string>& named, std::vec
 }
 
 /// The file of a path on the control, in the folder here.
-std::filesystem::path isgFile(const KeyedValues& list, const std::filesystem::path& folder) {
-  const std::string& path = list.need("file[0]").text;
+std::filesystem::path isgFile(const KeyedValues& list, const std::string& key,
+                              const std::filesystem::path& folder) {
+  const std::string& path = list.find(key)->text;
   const std::string name = path.substr(path.find_last_of("/\\") + 1);
   if (!std::filesystem::is_regular_file(folder / name))
-    list.refuse("file[0]", "there is no file '" + (folder / name).string() + "'; put it there");
+    list.refuse(key, "there is no file '" + (folder / name).string() + "'; put it there");
   return folder / name;
 }
 
@@ -173,7 +196,17 @@ std::unique_ptr<Interpreter> interpretIsg(const std::filesystem::path& folder) {
   checkIsgList(list);
   std::set<std::string> named;
   std::vector<AxesGrid> grids;
-  for (const TextTable& block : isgBlocks(isgFile(list, folder))) addIsgErrors(block, named, grids);
+  bool any = false;
+  for (int j = 0; j < kMostIsgFiles; ++j) {
+    const std::string index = "[" + std::to_string(j) + "]", kind = "file_format" + index;
+    if (!list.has("file" + index)) continue;
+    any = true;
+    if (const std::string said = isgWord(list, kind, "ISG_CSV"); said != "ISG_CSV")
+      list.refuse(kind, said + " is not read, only ISG_CSV");
+    for (const TextTable& block : isgBlocks(isgFile(list, "file" + index, folder)))
+      addIsgErrors(block, list, named, grids);
+  }
+  if (!any) refuse(list.whole(), "file[0] is missing");
   return std::make_unique<TableSum>(std::vector<AxisTable>{}, std::move(grids));
 }
 

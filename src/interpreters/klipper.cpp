@@ -144,16 +144,13 @@ class KlipperReader {
     for (const std::string& word : wordsBetweenBlanks(line.text.substr(0, line.text.find(';'))))
       if (const std::size_t equals = word.find('='); equals != std::string::npos)
         said.set(capitals(word.substr(0, equals)), unquoted(word.substr(equals + 1)), line.place);
-    if (name == "SET_SKEW" && !said.has("CLEAR"))
-      setSkew(said);
-    else if (name == "BED_MESH_PROFILE")
-      loadMesh(said);
-    else if (name == "SET_Z_THERMAL_ADJUST")
-      setThermal(said);
-    else
-      refuse(line.place, "'" + line.text +
-                             "' is not read; leave only commands whose effect lasts, and write skew as "
-                             "SET_SKEW XY=AC,BD,AD");
+    if (name == "SET_SKEW") setSkew(said);
+    if (name == "SKEW_PROFILE") loadSkew(said);
+    if (name == "BED_MESH_PROFILE")
+      if (const ConfigSection* profile = loaded("bed_mesh", said))
+        state_.mesh = meshOf(*profile, findSection(sections_, "bed_mesh")->values);
+    if (name == "BED_MESH_CLEAR") state_.mesh.reset();
+    if (name == "SET_Z_THERMAL_ADJUST") setThermal(said);
   }
 
   const ConfigSection& sectionFor(const std::string& name, const KeyedValues& said) const {
@@ -161,9 +158,18 @@ class KlipperReader {
     if (section == nullptr) refuse(said.whole(), "there is no [" + name + "] in " + file_.string());
     return *section;
   }
+  /// The profile that LOAD= names; null: it names none.
+  const ConfigSection* loaded(const std::string& kind, const KeyedValues& said) const {
+    sectionFor(kind, said);
+    return said.has("LOAD") ? &sectionFor(kind + " " + said.need("LOAD").text, said) : nullptr;
+  }
 
   void setSkew(const KeyedValues& said) {
     sectionFor("skew_correction", said);
+    if (said.integer("CLEAR", -1000000, 1000000, 0) != 0) {
+      state_.xy = state_.xz = state_.yz = 0.0;
+      return;  // whatever stands beside it
+    }
     const std::pair<const char*, double*> planes[] = {
         {"XY", &state_.xy}, {"XZ", &state_.xz}, {"YZ", &state_.yz}};
     for (const auto& [plane, factor] : planes) {
@@ -178,10 +184,12 @@ class KlipperReader {
     }
   }
 
-  void loadMesh(const KeyedValues& said) {
-    const KeyedValues& settings = sectionFor("bed_mesh", said).values;
-    if (said.has("LOAD"))
-      state_.mesh = meshOf(sectionFor("bed_mesh " + said.need("LOAD").text, said), settings);
+  void loadSkew(const KeyedValues& said) {
+    const ConfigSection* profile = loaded("skew_correction", said);
+    if (profile == nullptr) return;
+    state_.xy = profile->values.number("xy_skew");
+    state_.xz = profile->values.number("xz_skew");
+    state_.yz = profile->values.number("yz_skew");
   }
 
   void setThermal(const KeyedValues& said) {

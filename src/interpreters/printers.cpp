@@ -99,22 +99,24 @@ std::unique_ptr<Interpreter> interpretMarlin(const std::filesystem::path& folder
 std::unique_ptr<Interpreter> interpretReprapfirmware(const std::filesystem::path& folder) {
   double xy = 0.0, yz = 0.0, xz = 0.0;  // tangents
   std::map<std::string, double> gaps;
-  if (const auto second = folder / "config-override.g"; std::filesystem::exists(second))
-    refuse({second, 0},
-           "is not read; put its M556 and M425 into config.g behind the others, and take it out");
-  for (const GcodeCommand& command : gcodeCommands(folder / "config.g")) {
-    if (command.name == "M556") {
-      const std::map<char, double> words = command.numbers("SXYZ");
-      if (words.count('S') == 0 || !(words.at('S') > 0.0))
-        refuse(command.place, "M556: X, Y and Z count only with S above 0, the height");
-      for (const auto& [letter, length] : words)
-        if (letter != 'S') (letter == 'X' ? xy : letter == 'Y' ? yz : xz) = length / words.at('S');
+  for (const char* name : {"config.g", "config-override.g"}) {
+    if (!std::filesystem::exists(folder / name)) continue;
+    for (const GcodeCommand& command : gcodeCommands(folder / name)) {
+      if (command.name == "M556") {
+        const std::map<char, double> words = command.numbers("SXYZ");
+        if (words.count('S') == 0 || !(words.at('S') > 0.0))
+          refuse(command.place, "M556: X, Y and Z count only with S above 0, the height");
+        for (const auto& [letter, length] : words)
+          if (letter != 'S') (letter == 'X' ? xy : letter == 'Y' ? yz : xz) = length / words.at('S');
+      }
+      if (command.name != "M425") continue;
+      takeGaps(command.numbers(std::string("S") + kAxisLetters), gaps);
+      for (const auto& [joint, size] : gaps)
+        if (size < 0.0) refuse(command.place, "M425 " + capitals(joint) + ": is below 0");
     }
-    if (command.name != "M425") continue;
-    takeGaps(command.numbers(std::string("S") + kAxisLetters), gaps);
-    for (const auto& [joint, size] : gaps)
-      if (size < 0.0) refuse(command.place, "M425 " + capitals(joint) + ": is below 0");
   }
+  if (!std::filesystem::exists(folder / "config.g") && !std::filesystem::exists(folder / "config-override.g"))
+    refuse({folder, 0}, "has neither config.g nor config-override.g, which reprapfirmware reads");
   const auto skew = [=](const CommandedState&, Eigen::Vector3d& place) {
     place.x() += xy * place.y() + xz * place.z();
     place.y() += yz * place.z();

@@ -49,23 +49,22 @@ TEST(MarlinInterpreter, WhatMarlinDoesNotTakeIsRefused) {
 // The example of M556: S100 X0.7 Y-0.2 Z0.6 is reported as XY 0.00700, YZ -0.00200, ZX 0.00600
 TEST(ReprapfirmwareInterpreter, TangentsOfTheDocumentedExampleAreAdded) {
   TableFolder folder;
-  folder.file("config.g", "M556 S100 X0.7 Y-0.2 Z0.6\n");
+  folder.file("config-override.g", "M556 S100 X0.7 Y-0.2 Z0.6\n");
   EXPECT_NEAR(movedBy("reprapfirmware", folder, "x", 100, 200, 50), 1400.0 + 300.0, kNanometre);
   EXPECT_NEAR(movedBy("reprapfirmware", folder, "y", 100, 200, 50), -100.0, kNanometre);
   EXPECT_THAT(refusalOf("reprapfirmware", {{"config.g", "M556 S100 X0.7 Y-0.2 Z0.6 P1 ; by y\n"}}),
               AllOf(HasSubstr("config.g:1"), HasSubstr("M556: 'P1' is none of")));
 }
 
-TEST(ReprapfirmwareInterpreter, WhatComesLastCounts) {
+TEST(ReprapfirmwareInterpreter, TheOverrideComesLast) {
   TableFolder folder;
-  folder.file("config.g", "M556 S1 X0.5\nM425 X0.3\nM556 S1 X0\nM425 X0.01 S5\n");
+  folder.file("config.g", "M556 S1 X0.5\nM425 X0.3\n")
+      .file("config-override.g", "M556 S1 X0\nM425 X0.01 S5\n");
   EXPECT_NEAR(movedBy("reprapfirmware", folder, "x", 10, 10, 0, 1), 0.0, kNanometre);
   EXPECT_NEAR(movedBy("reprapfirmware", folder, "x", 10, 10, 0, -1), -10.0, kNanometre);
 }
 
 TEST(ReprapfirmwareInterpreter, WhatHasNoHeightIsRefused) {
-  EXPECT_THAT(refusalOf("reprapfirmware", {{"config.g", ""}, {"config-override.g", "M425 X0.1\n"}}),
-              HasSubstr("config-override.g: is not read; put its M556 and M425 into config.g"));
   EXPECT_THAT(refusalOf("reprapfirmware", {{"config.g", "G28\nM556 X0.7\n"}}),
               AllOf(HasSubstr("config.g:2"), HasSubstr("S")));
   EXPECT_THAT(refusalOf("reprapfirmware", {{"config.g", "M556 S0 X0.7\n"}}), HasSubstr("M556"));

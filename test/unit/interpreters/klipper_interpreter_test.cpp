@@ -1,4 +1,3 @@
-#include "base/format.h"
 #include "interpreter_support.h"
 
 namespace mm {
@@ -21,18 +20,12 @@ std::string mesh(const std::string& points, int columns, int rows, const std::st
 
 const char* const kLoad = "BED_MESH_PROFILE LOAD=first\n";
 
-/// ` XY=AC,BD,AD` of a rhombus with that skew.
-std::string rhombus(const char* plane, double tangent) {
-  const double s = std::sin(std::atan(tangent));
-  return format(" %s=%.9f,%.9f,100", plane, 100.0 * std::sqrt(2.0 + 2.0 * s),
-                100.0 * std::sqrt(2.0 - 2.0 * s));
-}
-
-TEST(KlipperInterpreter, SkewIsTakenOffAsMarlinDoes) {
+TEST(KlipperInterpreter, SkewOfAProfileIsTakenOffAsMarlinDoes) {
   TableFolder folder;
-  folder.file("printer.cfg", "[skew_correction]\n")
-      .file("start.gcode",
-            "G28\nSET_SKEW" + rhombus("XY", 0.01) + rhombus("XZ", 0.02) + rhombus("YZ", 0.03) + "\n");
+  folder
+      .file("printer.cfg",
+            "[skew_correction]\n[skew_correction plate]\nxy_skew = 0.01\nxz_skew = 0.02\nyz_skew = 0.03\n")
+      .file("start.gcode", "G28\nSKEW_PROFILE LOAD=plate\n");
   // x = 10 - 20 0.01 - 30 (0.02 - 0.01 0.03), y = 20 - 30 0.03
   EXPECT_NEAR(moved(folder, "x", 10, 20, 30), -791.0, kNanometre);
   EXPECT_NEAR(moved(folder, "y", 10, 20, 30), -900.0, kNanometre);
@@ -42,8 +35,8 @@ TEST(KlipperInterpreter, SkewIsTakenOffAsMarlinDoes) {
 TEST(KlipperInterpreter, AProfileThatIsNotLoadedDoesNothing) {
   TableFolder folder;
   folder.file("printer.cfg",
-              mesh("  0, 0.1\n  0, 0.1\n", 2, 2) + "[gcode_macro GO]\ngcode: M117 go\n  G28\n");
-  EXPECT_NEAR(moved(folder, "z", 10, 20, 30), 0.0, kNanometre);
+              "[skew_correction]\n[skew_correction p]\nxy_skew: 0.01\nxz_skew: 0\nyz_skew: 0\n");
+  EXPECT_NEAR(moved(folder, "x", 10, 20, 30), 0.0, kNanometre);
   // and then no other axis is needed
   EXPECT_EQ(interpret("klipper", folder.path())->motors(atMillimetres({{"x", 10}})).size(), 1u);
 }
@@ -71,8 +64,10 @@ TEST(KlipperInterpreter, AMeshIsStraightBetweenItsPointsAndHoldsItsBorder) {
 
 TEST(KlipperInterpreter, TheMeshIsReadWhereTheSkewLeads) {
   TableFolder folder;
-  folder.file("printer.cfg", "[skew_correction]\n" + mesh("  0, 0.1\n  0, 0.1\n", 2, 2))
-      .file("start.gcode", kLoad + ("SET_SKEW" + rhombus("XY", 0.1)) + "\n");
+  folder
+      .file("printer.cfg", "[skew_correction]\n[skew_correction s]\nxy_skew: 0.1\nxz_skew: 0\nyz_skew: 0\n" +
+                               mesh("  0, 0.1\n  0, 0.1\n", 2, 2))
+      .file("start.gcode", "BED_MESH_PROFILE LOAD=first\nSKEW_PROFILE LOAD=s\n");
   EXPECT_NEAR(moved(folder, "z", 60, 100, 0), 50.0, kNanometre);
 }
 
@@ -89,25 +84,24 @@ TEST(KlipperInterpreter, HeatLowersZByTheCoefficient) {
   EXPECT_NEAR(addedMicrometres(*interpreter, command, "z"), 150.0, kNanometre);
 }
 
-TEST(KlipperInterpreter, ProfilesOfSkewAndTakingBackAreRefused) {
-  for (const std::string command :
-       {"SKEW_PROFILE LOAD=mm", "BED_MESH_CLEAR", "SET_SKEW CLEAR=1", "SET_SKEW CLEAR=1 XY=140,142,100"})
-    EXPECT_THAT(refusalOf("klipper",
-                          {{"printer.cfg", "[skew_correction]\n"}, {"start.gcode", "\n" + command + "\n"}}),
-                AllOf(HasSubstr("start.gcode:2: '" + command + "' is not read"), HasSubstr("XY=AC,BD,AD")));
+TEST(KlipperInterpreter, ClearTakesNothingFromBesideIt) {
+  TableFolder folder;
+  folder.file("printer.cfg", "[skew_correction]\n[gcode_macro GO]\ngcode: M117 go\n  G28\n")
+      .file("start.gcode", "SET_SKEW CLEAR=1 XY=140,142,100\n");
+  EXPECT_NEAR(moved(folder, "x", 60, 100, 0), 0.0, kNanometre);
 }
 
 TEST(KlipperInterpreter, WhatKlipperAnswersWithAnErrorIsRefused) {
   TableFolder lengths;
-  EXPECT_THAT(refusalOf("klipper",
-                        {{"printer.cfg", "[bed_mesh]\n"}, {"start.gcode", "\nBED_MESH_PROFILE LOAD=none\n"}}),
+  EXPECT_THAT(refusalOf("klipper", {{"printer.cfg", "[skew_correction]\n"},
+                                    {"start.gcode", "\nSKEW_PROFILE LOAD=none\n"}}),
               AllOf(HasSubstr("start.gcode:2"), HasSubstr("none")));
   EXPECT_THAT(refusalOf("klipper", {{"printer.cfg", mesh("  0, 0.1\n  0\n", 2, 2)}, {"start.gcode", kLoad}}),
               AllOf(HasSubstr("printer.cfg:6"), HasSubstr("x_count is 2")));
   EXPECT_THAT(refusalOf("klipper",
                         {{"printer.cfg", "[skew_correction]\n"}, {"start.gcode", "SET_SKEW XY=140,142\n"}}),
               AllOf(HasSubstr("start.gcode:1"), HasSubstr("three lengths")));
-  EXPECT_THAT(refusalOf("klipper", {{"printer.cfg", ""}, {"start.gcode", "SET_SKEW XY=140,142,100\n"}}),
+  EXPECT_THAT(refusalOf("klipper", {{"printer.cfg", ""}, {"start.gcode", "SET_SKEW CLEAR=1\n"}}),
               HasSubstr("[skew_correction]"));
 }
 
