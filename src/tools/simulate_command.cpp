@@ -28,6 +28,7 @@ struct SimulateOptions {
 };
 
 /// What the controller adds by its files, as their interpreter reads them. @return null unless there are any.
+/// @throw InputError, it and what it returns: they do not fit this machine, or need what it does not have.
 ControllerAdds addsOf(const ControllerCompensation& compensation, const Machine& machine) {
   const std::shared_ptr<const LoadedCompensation> loaded = loadedCompensation(compensation);
   if (!loaded) return {};
@@ -41,7 +42,12 @@ ControllerAdds addsOf(const ControllerCompensation& compensation, const Machine&
       state.position[axis.letter] = command[axis.joint];
       state.direction[axis.letter] = static_cast<int>(travel[axis.joint]);
     }
-    const std::map<std::string, double> found = loaded->adds(state);
+    std::map<std::string, double> found;
+    try {
+      found = loaded->adds(state);
+    } catch (const InputError& e) {
+      throw InputError(std::string("--compensation: ") + e.what() + "; sensors are those of the plan");
+    }
     std::vector<double> added(command.size(), 0.0);
     for (const ExportAxis& axis : axes)
       if (const auto value = found.find(axis.letter); value != found.end()) added[axis.joint] = value->second;

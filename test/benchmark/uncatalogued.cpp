@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 
+#include "base/erase_if.h"
 #include "base/error.h"
 
 namespace mm {
@@ -106,6 +107,7 @@ UncataloguedTruth uncataloguedTruth(const HiddenSource& source, const Machine& m
 const std::vector<SourceKind>& judgedKinds() {
   static const std::vector<SourceKind> kinds = [] {
     std::vector<SourceKind> list = sourceKinds();
+    eraseIf(list, [](const SourceKind& kind) { return kind.onlyByName; });  // what no effect explains
     for (const UncataloguedKind& kind : uncataloguedKinds()) {
       std::vector<SourceKind::NumberRule> numbers = {{"size", "m", 1e-6, 4e-6, true}};
       numbers.insert(numbers.end(), kind.shapeNumbers.begin(), kind.shapeNumbers.end());
