@@ -76,7 +76,8 @@ void addWorkbenchCommand(CLI::App& app, int& exitStatus) {
       .add_option("--address", c.server.address,
                   "address to listen on; access is protected by the token only")
       ->capture_default_str();
-  command.add_option("--host", c.server.hosts, "further name by which a browser reaches it; needed with --address 0.0.0.0; repeatable");
+  command.add_option("--host", c.server.hosts,
+                     "further name by which a browser reaches it; needed with --address 0.0.0.0; repeatable");
   command.add_option("--store", c.store, "folder of calibrations, as for mm promote");
   standardOption(command, "--threads", c.bench.threads, wholeNumberWithin(0, 1024),
                  "number of threads; 0: one per core; does not affect the result");

@@ -99,8 +99,8 @@ class BenchWork {
   /// From any thread: publishes what a plan (YAML) would do on the machine, as planDocument(); nothing moves.
   std::string lookAt(const std::string& plan) const;
 
-  /// The tables for a controller, as a ZIP archive: `mm export` without options of its own. @param controller as `mm
-  /// export --to` calls it.
+  /// The tables for a controller, as a ZIP archive: `mm export` without options of its own. @param controller
+  /// as `mm export --to` calls it.
   std::string exportTo(const std::string& controller);
   /// Where it is kept who did what: in the folder of calibrations; empty: that is not known yet.
   std::filesystem::path logFile() const;

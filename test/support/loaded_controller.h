@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -77,7 +78,7 @@ inline ControllerAdds toTheOtherSide(const ControllerAdds& adds, const std::vect
 }
 
 /// What makes the tip go where it is sent: linear in position and direction of travel, as the models of these
-/// tests are.
+/// tests are, and constant beyond the calibrated range, as tables are.
 inline ControllerAdds neededOf(const Calibration& calibration) {
   const Compensator compensator(calibration);
   const auto needed = [&](const Eigen::Vector3d& position, const Eigen::Vector3d& travel) -> Eigen::Vector3d {
@@ -99,7 +100,9 @@ inline ControllerAdds neededOf(const Calibration& calibration) {
     byPosition.col(j) = (needed(kStep * Eigen::Vector3d::Unit(j), forward) - start) / kStep;
     byTravel.col(j) = (start - needed(Eigen::Vector3d::Zero(), back)) / 2.0;
   }
-  return [=](const auto& command, const auto& travel, const auto&) {
+  const std::vector<double> lower = calibration.domain.lower, upper = calibration.domain.upper;
+  return [=](std::vector<double> command, const auto& travel, const auto&) {
+    for (std::size_t j = 0; j < 3; ++j) command[j] = std::clamp(command[j], lower[j], upper[j]);
     const Eigen::Vector3d added = start + byPosition * Eigen::Vector3d(command[0], command[1], command[2]) +
                                   byTravel * (Eigen::Vector3d(travel[0], travel[1], travel[2]) - forward);
     return std::vector<double>{added[0], added[1], added[2]};

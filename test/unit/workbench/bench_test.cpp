@@ -204,7 +204,8 @@ TEST_F(BenchTest, AnExportIsOneFileThatIsUnpacked) {
   const std::string id = data("calibration")["id"];
   EXPECT_EQ(sent.fileName, id + "_linuxcnc.zip");
   const auto zip = folder_.write("sent.zip", *sent.body);
-  ASSERT_EQ(std::system(("python3 -m zipfile -e " + zip.string() + " " + folder_.path("").string()).c_str()), 0);
+  ASSERT_EQ(std::system(("python3 -m zipfile -e " + zip.string() + " " + folder_.path("").string()).c_str()),
+            0);
   const std::filesystem::path folder = folder_.path(id + "_linuxcnc");
   EXPECT_NE(test::readAll(folder / "README.md").find("LinuxCNC"), std::string::npos);
   EXPECT_EQ(json::parse(test::readAll(folder / "representability.json"))["target"], "linuxcnc");
