@@ -21,7 +21,7 @@ class DemoEnds(unittest.TestCase):
 
     def test_a_demo_that_fails_says_so(self):
         folder, _, output = self.start("model:=/nowhere/model.yaml", "plan:=" + PLAN, "time_factor:=8", "rate:=20")
-        self.assertTrue(output.ends(80), str(output))
+        self.assertTrue(output.ends(150), str(output))
         self.assertIn("demo: FAILED: ", str(output))
         self.assertRegex(str(output), r"REQUIRED process \[demo-[0-9]+\] has died")
         with open(os.path.join(folder, "result")) as result:
