@@ -79,8 +79,8 @@ class Server:
         return found
 
 
-def work(kind, address, end, argument, queue):
-    queue.put(kind(address, end, argument))
+def work(kind, address, argument, queue):
+    queue.put(kind(address, time.time() + SECONDS, argument))  # from here on: a full computer starts a process late
 
 
 def attack(server, honest, name, kind, *arguments):
@@ -88,7 +88,7 @@ def attack(server, honest, name, kind, *arguments):
     honest.forget()
     server.memory("VmHWM")
     queue, begun, cpu = multiprocessing.Queue(), time.time(), server.processor()
-    workers = [multiprocessing.Process(target=work, args=(kind, server.address, begun + SECONDS, a, queue), daemon=True) for a in arguments]
+    workers = [multiprocessing.Process(target=work, args=(kind, server.address, a, queue), daemon=True) for a in arguments]
     for w in workers:
         w.start()
     total = {}
