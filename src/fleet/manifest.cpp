@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <string_view>
 
 #include "base/error.h"
@@ -101,6 +102,7 @@ std::vector<fs::path> bagsOf(const YamlMapping& entry, const fs::path& folder) {
   std::vector<fs::path> files;
   for (const std::string& pattern : entry.texts("bags")) {
     glob_t found{};
+    const std::unique_ptr<glob_t, decltype(&::globfree)> freed(&found, ::globfree);
     const bool complete = startsWith(pattern, "/") || startsWith(pattern, "~");
     const std::string whole = complete ? pattern : literally(folder) + "/" + pattern;
     if (::glob(whole.c_str(), GLOB_BRACE | GLOB_TILDE, nullptr, &found) == 0)
@@ -110,7 +112,6 @@ std::vector<fs::path> bagsOf(const YamlMapping& entry, const fs::path& folder) {
         utf8(entry, "bags", file.string(), "rename the file or its folder");
         files.push_back(file);
       }
-    ::globfree(&found);
     if (files.empty())
       entry.fail("bags",
                  "'" + pattern + "' fits no file (looked for " +
