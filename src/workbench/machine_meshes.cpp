@@ -15,8 +15,7 @@ namespace {
 
 constexpr std::size_t kMostMeshes = 64;
 constexpr std::size_t kMostBytes = 16u << 20;  // of all meshes together
-/// What is read as text holds up the page: its heartbeat, without which the machine stops, comes within 0.9
-/// s.
+/// What is read as text holds up the page, whose heartbeat must come within 0.9 s, or the machine stops.
 constexpr std::uintmax_t kLargestText = 2u << 20;
 const std::string kPackageScheme = "package://", kFileScheme = "file://";
 

@@ -22,6 +22,7 @@ std::string zipOf(const std::string& folder, const std::vector<ExportedFile>& fi
     if (status < ARCHIVE_OK) throw InputError(folder + ".zip: " + archive_error_string(writer.get()));
   };
   check(archive_write_set_format_zip(writer.get()));
+  check(archive_write_set_bytes_in_last_block(writer.get(), 1));  // no zeros behind the end
   check(archive_write_open(writer.get(), &zip, nullptr, take, nullptr));
   const std::unique_ptr<archive_entry, decltype(&archive_entry_free)> entry(archive_entry_new(),
                                                                             archive_entry_free);

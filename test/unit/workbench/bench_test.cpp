@@ -203,6 +203,8 @@ TEST_F(BenchTest, AnExportIsOneFileThatIsUnpacked) {
   ASSERT_EQ(sent.status, 200u);
   const std::string id = data("calibration")["id"];
   EXPECT_EQ(sent.fileName, id + "_linuxcnc.zip");
+  constexpr std::size_t kEnd = 22;  // bytes of the record that ends an archive
+  EXPECT_EQ(sent.body->substr(sent.body->size() - kEnd, 4), "PK\5\6") << "something stands behind the end";
   const auto zip = folder_.write("sent.zip", *sent.body);
   ASSERT_EQ(std::system(("python3 -m zipfile -e " + zip.string() + " " + folder_.path("").string()).c_str()),
             0);
