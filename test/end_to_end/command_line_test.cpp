@@ -297,6 +297,39 @@ TEST_F(CommandLine, HideSpeaksAsTheCatalogue) {
   EXPECT_NE(truth.find("period: 2000 um"), std::string::npos) << truth;
 }
 
+/// What a controller's files say is what the simulated one does, on a rotary joint too: its degrees are not
+/// rad.
+TEST_F(CommandLine, ASimulatedControllerCorrectsByItsFiles) {
+  folder_->write("rotary.yaml",
+                 "reference: [{joint: b, from_deg: -60, to_deg: 60, points: 7, runs: 4, dwell_s: 5}]\n"
+                 "instrument: {noise: {reference_arcsec: 0.2}}\n");
+  std::filesystem::create_directory(*folder_ / "loaded");
+  folder_->write("loaded/settings.txt", "$23=0\n$164=0.01\n");  // backlash of b: 0.01 deg = 36 arcsec
+  const auto scatter = [](const std::string& compensation) {
+    run("simulate --machine five_axis --plan rotary.yaml --hide backlash:b=36arcsec --compensation " +
+        compensation + " --csv rotary.csv --force -o rotary.bag");
+    const auto lines = linesOf(textOf(*folder_ / "rotary.csv"));
+    const auto column = [](const std::string& line, const std::string& name, const std::string& header) {
+      std::istringstream names(header), cells(line);
+      for (std::string n, cell; std::getline(names, n, ',') && std::getline(cells, cell, ',');)
+        if (n == name) return cell;
+      return std::string();
+    };
+    std::vector<double> deviations;  // arcsec
+    for (std::size_t i = 1; i < lines.size(); ++i)
+      if (const std::string cell = column(lines[i], "deviation_b_arcsec", lines[0]); !cell.empty())
+        deviations.push_back(std::stod(cell));
+    double mean = 0.0, square = 0.0;
+    for (const double d : deviations) mean += d / static_cast<double>(deviations.size());
+    for (const double d : deviations)
+      square += (d - mean) * (d - mean) / static_cast<double>(deviations.size());
+    EXPECT_EQ(deviations.size(), 56u);  // seven targets, from both sides, four times
+    return std::sqrt(square);
+  };
+  EXPECT_NEAR(scatter("none"), 18.0, 0.1);
+  EXPECT_NEAR(scatter("grblhal:loaded"), 0.2, 0.06);  // of the instrument, known to 10 %
+}
+
 /// As many parameters as readings fit whatever was measured: the answer is no, and the file is written.
 TEST_F(CommandLine, AFitWithoutRedundancyIsNoAnswer) {
   folder_->write("exact.csv", "time_s,x_mm,deviation_x_um\n0,1,3\n");
